@@ -21,7 +21,7 @@ WORDS = (0, 2, 6)
 
 
 @dataclass(frozen=True, slots=True)
-class RuleShare:
+class CoveringRule:
     """A rule that may cover a step, and how likely it does."""
 
     rule: str
@@ -44,7 +44,7 @@ class ExpectedStep:
 
     action: str
     covered: float
-    rules: tuple[RuleShare, ...]
+    rules: tuple[CoveringRule, ...]
     reward: float
     remaining: float | None
     outcomes: tuple[ExpectedOutcome, ...]
@@ -83,7 +83,7 @@ def expected_of(job: PlanningRequest, found: Forecast) -> Expected:
 
 
 def _step(job: PlanningRequest, step: ForecastStep) -> ExpectedStep:
-    rules = tuple(RuleShare(job.domain.rules[rule].name, probability) for rule, probability in step.rules)
+    rules = tuple(CoveringRule(job.domain.rules[rule].name, probability) for rule, probability in step.rules)
     outcomes = tuple(_outcome(job, result) for result in step.results)
     action = str(job.task.actions[step.action])
     return ExpectedStep(action, step.covered, rules, step.reward, step.remaining, outcomes)

@@ -21,9 +21,9 @@ from cleancli.simulation.symbolic_world import DrawnStep, World, do, succeeded
 
 
 class SymbolicCell:
-    """A `Workcell` with all facts in view. The n-th move meets the same luck whichever it is, so `assignment`
-    and `clock`, which may be set, are all that there is to remember. What was paid is told of the moves since
-    the cell was opened."""
+    """A `Workcell` with all facts in view. The n-th move meets the same random numbers whichever it is, so
+    `assignment` and `clock`, which may be set, are all that there is to remember. What was paid is told of
+    the moves since the cell was opened."""
 
     def __init__(self, world: World, problem: Problem, seed: int) -> None:
         self._world, self._problem = world, problem

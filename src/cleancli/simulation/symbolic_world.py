@@ -107,7 +107,7 @@ def do(
     world: World, state: GroundState, action: GroundAction, rng: np.random.Generator
 ) -> tuple[DrawnStep, GroundState]:
     """Draws what comes of an action; each call takes one number from `rng`, so that the n-th action of an
-    episode meets the same luck whoever planned it."""
+    episode meets the same random numbers whoever planned it."""
     number, more = world.numbers.get((action.name, action.objects)), Fraction(0)
     if number is None:
         number = world.idle[action.name]

@@ -20,7 +20,7 @@ KEPT = 2048
 
 def chain(prepared: Prepared, start: Sequence[int], moves: int, words: int, seed: int) -> tuple[int, ...]:
     """The best sequence that `moves` changes of a sequence lead to, by 64 · `words` runs of the seed."""
-    runs, luck = _begun(prepared, words)
+    runs, common = _begun(prepared, words)
     horizon = len(runs.row) - 1
     current, trial, best = np.zeros((3, horizon + 1), dtype=np.int32)
     length = min(len(start), horizon)
@@ -28,7 +28,7 @@ def chain(prepared: Prepared, start: Sequence[int], moves: int, words: int, seed
     length = bit_parallel.anneal(
         prepared.process,
         runs,
-        luck,
+        common,
         bit_parallel.Scratch(current, trial),
         length,
         best,
@@ -47,11 +47,11 @@ def value(prepared: Prepared, actions: Sequence[int], words: int, seed: int) -> 
 
 def worth(prepared: Prepared, actions: Sequence[int], words: int, seed: int) -> tuple[float, float]:
     """The same, and the sequence's earliness (planning/preference.py)."""
-    runs, luck = _begun(prepared, words)
+    runs, common = _begun(prepared, words)
     found: tuple[float, float] = bit_parallel.worth(
         prepared.process,
         runs,
-        luck,
+        common,
         np.asarray(actions, dtype=np.int32),
         idle_worth(prepared.task.discount, prepared.task.horizon),
         np.uint64(seed % 2**64),
@@ -70,9 +70,9 @@ def _begun(prepared: Prepared, words: int) -> tuple[bit_parallel.Runs, bit_paral
         np.ones((2, horizon + 1)),
         np.zeros(horizon + 1, dtype=np.int32),
     )
-    luck = bit_parallel.CommonRandomNumbers(
+    common = bit_parallel.CommonRandomNumbers(
         np.zeros(KEPT, dtype=np.int64), np.zeros((KEPT, outcomes, words), dtype=np.uint64)
     )
     state: Ints = np.asarray(prepared.task.initial, dtype=np.int32)
-    bit_parallel.begin(process, runs, luck, state)
-    return runs, luck
+    bit_parallel.begin(process, runs, common, state)
+    return runs, common

@@ -3,8 +3,8 @@
 Runs are bits: for each value of each variable a word says in which of 64 runs the variable has it. A rule's
 condition is then a few operations on words, for 64 runs at once, and so is what an outcome sets. What is
 drawn belongs to a run, a rule and how often its action stands before in the sequence; so sequences meet the
-same luck wherever they do the same, and the difference of their values is hardly noise. A sequence is changed
-in one place at a time, and only what follows that place is run again.
+same random numbers wherever they do the same, and the difference of their values is hardly noise. A
+sequence is changed in one place at a time, and only what follows that place is run again.
 Guaranteed by `lower` and `lower_process`: indices are in range, at most one rule of an action covers a state.
 """
 
@@ -99,15 +99,15 @@ def _drawn(probability: float, stream: np.uint64) -> np.uint64:
 
 
 @inner
-def _outcomes(p: Process, luck: CommonRandomNumbers, rule: int, use: int, seed: np.uint64) -> int:
-    """Where in `luck` it stands in which runs each outcome of a rule comes, at this use of its action."""
+def _outcomes(p: Process, common: CommonRandomNumbers, rule: int, use: int, seed: np.uint64) -> int:
+    """Where in `common` it stands in which runs each outcome of a rule comes, at this use of its action."""
     key = rule * 4096 + use
-    entry = int(mixed(np.uint64(key)) % np.uint64(len(luck.key)))
-    if luck.key[entry] == key:
+    entry = int(mixed(np.uint64(key)) % np.uint64(len(common.key)))
+    if common.key[entry] == key:
         return entry
-    luck.key[entry] = key
+    common.key[entry] = key
     first, last = p.outcome_start[rule], p.outcome_start[rule + 1] - 1
-    for w in range(luck.word.shape[2]):
+    for w in range(common.word.shape[2]):
         left, rest = ALL, 1.0
         for outcome in range(first, last):
             stream = (
@@ -115,10 +115,10 @@ def _outcomes(p: Process, luck: CommonRandomNumbers, rule: int, use: int, seed: 
             )
             share = p.probability[outcome] / rest if rest > p.probability[outcome] else 1.0
             comes = left & _drawn(share, stream)
-            luck.word[entry, outcome - first, w] = comes
+            common.word[entry, outcome - first, w] = comes
             left &= ~comes
             rest -= p.probability[outcome]
-        luck.word[entry, last - first, w] = left
+        common.word[entry, last - first, w] = left
     return entry
 
 
@@ -152,7 +152,7 @@ def _set(p: Process, word: Words, row: int, place: int, outcome: int, w: int, ru
 def _act(
     p: Process,
     runs: Runs,
-    luck: CommonRandomNumbers,
+    common: CommonRandomNumbers,
     source: int,
     target: int,
     place: int,
@@ -171,10 +171,10 @@ def _act(
             if held == NONE:
                 continue
             useful |= p.waiting[0]
-            entry = _outcomes(p, luck, rule, use, seed)
+            entry = _outcomes(p, common, rule, use, seed)
             first = p.outcome_start[rule]
             for outcome in range(first, p.outcome_start[rule + 1]):
-                comes = held & luck.word[entry, outcome - first, w]
+                comes = held & common.word[entry, outcome - first, w]
                 if p.outcome_cost[outcome] != 0.0:
                     spent += p.outcome_cost[outcome] * _ones(comes)
                 if comes != NONE and p.effect_start[outcome] < p.effect_start[outcome + 1]:
@@ -187,7 +187,7 @@ def _act(
 def _run(
     p: Process,
     runs: Runs,
-    luck: CommonRandomNumbers,
+    common: CommonRandomNumbers,
     actions: Ints,
     length: int,
     start: int,
@@ -210,7 +210,7 @@ def _run(
         use = 0
         for earlier in range(place):
             use += actions[earlier] == action
-        useful, spent = _act(p, runs, luck, source, target, place, action, use, seed)
+        useful, spent = _act(p, runs, common, source, target, place, action, use, seed)
         gain, progress = -p.cost[action] - spent / (64 * words), 0.0
         standing = runs.standing[source, place]
         if useful:
@@ -300,7 +300,7 @@ def _change(p: Process, runs: Runs, s: Scratch, length: int, stream: np.uint64) 
 
 
 @compiled
-def begin(p: Process, runs: Runs, luck: CommonRandomNumbers, state: Ints) -> None:
+def begin(p: Process, runs: Runs, common: CommonRandomNumbers, state: Ints) -> None:
     """Puts all runs into a state, and forgets what was drawn."""
     rules, words = len(p.rule_useful), runs.word.shape[3]
     for variable in range(len(state)):
@@ -314,17 +314,17 @@ def begin(p: Process, runs: Runs, luck: CommonRandomNumbers, state: Ints) -> Non
     runs.standing[0, 0], runs.total[0, 0], runs.factor[0, 0], runs.early[0, 0] = standing, 0.0, 1.0, 0.0
     for place in range(len(runs.row)):
         runs.row[place] = 0
-    for entry in range(len(luck.key)):
-        luck.key[entry] = -1
+    for entry in range(len(common.key)):
+        common.key[entry] = -1
 
 
 @compiled
 def worth(
-    p: Process, runs: Runs, luck: CommonRandomNumbers, actions: Ints, idle: Floats, seed: np.uint64
+    p: Process, runs: Runs, common: CommonRandomNumbers, actions: Ints, idle: Floats, seed: np.uint64
 ) -> tuple[float, float]:
     """Mean discounted reward of a sequence over the runs of a seed, from the state in which they begin, and
     its earliness."""
-    _run(p, runs, luck, actions, len(actions), 0, 0, seed)
+    _run(p, runs, common, actions, len(actions), 0, 0, seed)
     return _worth(runs, len(actions), 0, idle), _earliness(runs, len(actions), 0)
 
 
@@ -332,7 +332,7 @@ def worth(
 def anneal(
     p: Process,
     runs: Runs,
-    luck: CommonRandomNumbers,
+    common: CommonRandomNumbers,
     s: Scratch,
     length: int,
     best: Ints,
@@ -348,7 +348,7 @@ def anneal(
     last quarter: many a gain is reached by way of an equal. The runs have begun.
     """
     nothing = _worth(runs, 0, 0, idle)
-    _run(p, runs, luck, s.current, length, 0, 0, seed)
+    _run(p, runs, common, s.current, length, 0, 0, seed)
     value, early = _worth(runs, length, 0, idle), _earliness(runs, length, 0)
     _copy(s.current, 0, length, best, 0)
     best_length, best_value, best_early = length, value, early
@@ -358,7 +358,7 @@ def anneal(
         new, start = _change(p, runs, s, length, stream)
         if start < 0:
             continue
-        useless = _run(p, runs, luck, s.trial, new, start, 1, seed)
+        useless = _run(p, runs, common, s.trial, new, start, 1, seed)
         row = (runs.row[new] + 1) % 2 if new > start else runs.row[new]
         tried, soon = _worth(runs, new, row, idle), _earliness(runs, new, row)
         warmth = heat * (best_value - nothing) / max(best_length, 1) * (1.0 - move / moves)
@@ -373,7 +373,7 @@ def anneal(
         if useless >= 0:
             _copy(s.trial, useless + 1, length, s.current, useless)
             length -= 1
-            _run(p, runs, luck, s.current, length, useless, 0, seed)
+            _run(p, runs, common, s.current, length, useless, 0, seed)
             value = _worth(runs, length, runs.row[length], idle)
             early = _earliness(runs, length, runs.row[length])
         shorter = length < best_length and not better(best_value, best_early, value, early)
