@@ -154,7 +154,7 @@ def test_a_column_says_where_it_counts_what_others_leave_out() -> None:
     rows = [replace(row, clean=row.run > 2, actions=40 if row.run <= 2 else 4) for row in rows_of(8)]
     page = results_page([results_of(replace(STUDY, measure="clean", comparisons=()), rows)])
     assert "| actions until the episode is over, also where it did not end clean |" in page
-    assert "| b | plan-2 | 8 | 2 | 0.75 [0.375, 1] | 13 [4, 26.5] |" in page
+    assert "| b | plan-2 | 8 | 2 | 0.75 [0.409, 0.929] | 13 [4, 26.5] |" in page
     page = results_page([results_of(replace(STUDY, comparisons=()), rows)])
     assert "| actions until the episode is over |" in page
     assert re.search(r"\| b \| plan-2 \| 8 \| 2 \| .* \| 4 \[4, 4\] \|", page)

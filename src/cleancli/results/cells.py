@@ -13,6 +13,7 @@ import numpy as np
 from cleancli.array_types import Bools, Floats, Longs
 from cleancli.statistics.bootstrap import Estimate, mean_of
 from cleancli.statistics.paired import by_run
+from cleancli.statistics.shares import share_of
 from cleancli.study.model import Value
 from cleancli.study.row import MEASURES, Row, axes_of
 
@@ -77,7 +78,12 @@ def _cell(values: tuple[Value | None, ...], rows: Sequence[Row], measure: str, a
     told, counts = measured(rows, measure)
     counts |= always
     kept = tuple(row for row, each in zip(rows, counts.tolist(), strict=True) if each)
-    return Cell(values, tuple(rows), kept, mean_of(by_run(runs_of(kept), told[counts])))
+    return Cell(values, tuple(rows), kept, estimated(by_run(runs_of(kept), told[counts]), measure))
+
+
+def estimated(values: Floats, measure: str) -> Estimate:
+    """What runs, (n,), say that a measure is."""
+    return share_of(values) if MEASURES[measure].is_share else mean_of(values)
 
 
 def means_of_runs(rows: Sequence[Row], measure: str) -> Floats:

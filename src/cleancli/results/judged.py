@@ -8,7 +8,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from cleancli.array_types import Bools, Floats, Longs
-from cleancli.results.cells import measured, runs_of, varied
+from cleancli.results.cells import estimated, measured, runs_of, varied
 from cleancli.statistics.bootstrap import Estimate, mean_of
 from cleancli.statistics.paired import Paired, by_run, counted, holm, paired, signed_rank
 from cleancli.statistics.verdict import Bounds, Verdict, more_needed, verdict
@@ -78,7 +78,7 @@ def _against_second(comparison: Comparison, rows: Sequence[Row]) -> Judged:
     bounds = _bounds(comparison.expect, factor, margin)
     found = _matched(comparison, rows)
     signed = MEASURES[comparison.measure].signed
-    first, second, sides = _sides(found, signed)
+    first, second, sides = _sides(found, comparison.measure)
     chance = max(signed_rank(first - end * second) for end in bounds.ends)
     told = {
         side: (found.actions[of], found.clean[of])
@@ -90,7 +90,7 @@ def _against_second(comparison: Comparison, rows: Sequence[Row]) -> Judged:
         return _judged(comparison, bounds, mean_of(first - factor * second), chance, told, sides)
     ratio = sides.paired.ratio
     if len(second) and first.any() and not second.any():
-        ratio, bounds = mean_of(first), _bounds(comparison.expect, 0.0, 0.0)
+        ratio, bounds = estimated(first, comparison.measure), _bounds(comparison.expect, 0.0, 0.0)
     return _judged(comparison, bounds, ratio, chance, told, sides)
 
 
@@ -101,7 +101,14 @@ def _against_limit(comparison: Comparison, limit: float, rows: Sequence[Row]) ->
     values, clean = measured(own, comparison.measure)
     means = by_run(runs_of(own), counted(values, clean))
     chance = max(signed_rank(means - end) for end in bounds.ends)
-    return _judged(comparison, bounds, mean_of(means), chance, {"first": (_actions(own), clean)}, None)
+    return _judged(
+        comparison,
+        bounds,
+        estimated(means, comparison.measure),
+        chance,
+        {"first": (_actions(own), clean)},
+        None,
+    )
 
 
 def _judged(
@@ -190,7 +197,7 @@ def _numbered(values: Iterable[Hashable]) -> Longs:
     return np.array([numbers.setdefault(value, len(numbers)) for value in values], dtype=np.int64)
 
 
-def _sides(found: _Matched, signed: bool) -> tuple[Floats, Floats, Sides]:
+def _sides(found: _Matched, measure: str) -> tuple[Floats, Floats, Sides]:
     """The measure of both sides, run by run, and what they come to."""
 
     def runs(of: Bools) -> Floats:
@@ -200,9 +207,9 @@ def _sides(found: _Matched, signed: bool) -> tuple[Floats, Floats, Sides]:
     both_clean = ~np.isin(found.places, found.places[~clean])
     own, others = runs(first), runs(second)
     sides = Sides(
-        paired(own, others, signed=signed),
-        mean_of(runs(first & clean)),
-        mean_of(runs(second & clean)),
+        paired(own, others, signed=MEASURES[measure].signed),
+        estimated(runs(first & clean), measure),
+        estimated(runs(second & clean), measure),
         mean_of(runs(first & both_clean) - runs(second & both_clean)),
         (int((first & ~clean).sum()), int((second & ~clean).sum())),
     )

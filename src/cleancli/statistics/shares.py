@@ -2,13 +2,25 @@
 
 from __future__ import annotations
 
-from math import sqrt
+from math import nan, sqrt
+
+from cleancli.array_types import Floats
+from cleancli.statistics.bootstrap import FEWEST, Estimate
 
 NORMAL = 1.959963984540054
 """The standard normal distribution's quantile for a two-sided interval of 95 %."""
 
 
-def wilson(successes: int, number: int) -> tuple[float, float]:
+def share_of(values: Floats) -> Estimate:
+    """The share of all tries, from the shares of runs, (n,). Each run counts as one try: those of one run go
+    on from each other, and tell no more than one if they hang together wholly."""
+    count, share = len(values), float(values.mean()) if len(values) else nan
+    if count < FEWEST:
+        return Estimate(share, count=count)
+    return Estimate(share, *wilson(share * count, count), count)
+
+
+def wilson(successes: float, number: int) -> tuple[float, float]:
     """The score interval of a share, after so many tries of which some were successes (Wilson, JASA 1927);
     anything is possible where nothing was tried."""
     if not number:

@@ -68,7 +68,8 @@ class Measure:
     """A number that a row tells, and what it means; `{ended}` in that is as in `Words`. `is_real`: it holds
     real time. `always`: it says something also of an episode that did not end clean, and is not of the way
     there. `of_tables`: it says nothing of problems that are no scenes, `of_problems`: nothing of tables.
-    `signed`: it may be negative, so that it is compared by differences and not by ratios."""
+    `signed`: it may be negative, so that it is compared by differences and not by ratios. `is_share`: it is
+    0 or 1 of an episode, so that its mean is a share of them."""
 
     of: Callable[[Row], float]
     meaning: str
@@ -77,6 +78,7 @@ class Measure:
     of_tables: bool = False
     of_problems: bool = False
     signed: bool = False
+    is_share: bool = False
 
 
 def moving(row: Row) -> float:
@@ -118,7 +120,9 @@ MEASURES: Mapping[str, Measure] = MappingProxyType(
             always=True,
             of_tables=True,
         ),
-        "clean": Measure(lambda row: float(row.clean), "the share of episodes that {ended}", always=True),
+        "clean": Measure(
+            lambda row: float(row.clean), "the share of episodes that {ended}", always=True, is_share=True
+        ),
         "return": Measure(
             lambda row: 0.0 if row.paid is None else row.paid,
             "the return, discounted, of as many steps as `max_actions` says",
