@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import importlib.util
+import os
 import signal
 from collections.abc import Iterator
 
@@ -14,6 +15,9 @@ from cleancli.world.errors import MissingPhysics
 # and so would all that they start; the program leaves an ignored signal ignored, as it should.
 signal.signal(signal.SIGINT, signal.default_int_handler)
 signal.signal(signal.SIGHUP, signal.SIG_DFL)
+
+# What is told of slow work depends on the machine: tests of it set the seconds themselves.
+os.environ["CLEANCLI_PROGRESS_AFTER"] = "inf"
 
 
 if importlib.util.find_spec("pybullet") is None:

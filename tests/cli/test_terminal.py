@@ -2,11 +2,16 @@
 
 from __future__ import annotations
 
+import os
+import subprocess
+import sys
+import time
 from collections.abc import Iterator
 from pathlib import Path
 
 import pytest
 
+from cleancli.cli import progress
 from cleancli.cli.main import run
 from cleancli.language.diagnostics.diagnostic import Diagnostic, Source, Span, printable
 from cleancli.language.diagnostics.render import render
@@ -86,6 +91,46 @@ def test_a_diff_is_exact_for_programs_and_written_out_for_people(
     shown = capsys.readouterr().out
     assert not steering(shown)
     assert r"remark \x1b" in shown
+
+
+def test_what_takes_long_is_told_in_a_line_outside_a_terminal(
+    monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    """docs/commands.md: on standard error, after seconds that may be set; what is quick tells nothing."""
+    monkeypatch.setenv("CLEANCLI_PROGRESS_AFTER", "0.05")
+    for seconds, told in ((0.0, ""), (0.5, "planning ...\n")):
+        with progress.working("planning"):
+            time.sleep(seconds)
+        assert capsys.readouterr() == ("", told)
+        for _ in progress.counted("planning", range(1), 1):
+            time.sleep(seconds)
+        assert capsys.readouterr() == ("", told)
+    with progress.working("planning", quiet=True):
+        time.sleep(0.2)
+    monkeypatch.setenv("CLEANCLI_PROGRESS_AFTER", "inf")
+    with progress.working("planning"):
+        time.sleep(0.2)
+    assert capsys.readouterr() == ("", "")
+    for unset in ("", "soon"):
+        monkeypatch.setenv("CLEANCLI_PROGRESS_AFTER", unset)
+        assert progress.slow() == 2.0
+    monkeypatch.delenv("CLEANCLI_PROGRESS_AFTER")
+    assert progress.slow() == 2.0
+
+
+def test_a_slow_plan_says_what_it_waits_for_and_keeps_its_answer_clean() -> None:
+    """docs/commands.md: the line is on standard error, so that what is printed can be read by programs."""
+    words = [sys.executable, "-m", "cleancli.cli.main", "plan", "cleaning", "three_areas", "--samples", "50"]
+    done = [
+        subprocess.run(
+            words, capture_output=True, text=True, env=os.environ | {"CLEANCLI_PROGRESS_AFTER": seconds}
+        )
+        for seconds in ("0", "inf")
+    ]
+    first = "planning (the first plan by this planner also compiles it, for up to a minute) ...\n"
+    assert [each.stderr for each in done] == [first, ""]
+    plans = [each.stdout.partition("seconds")[0] for each in done]
+    assert plans[0] == plans[1] != ""
 
 
 def test_mistakes_keep_their_colours_in_a_terminal() -> None:

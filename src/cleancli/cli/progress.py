@@ -1,11 +1,13 @@
-"""Progress of what takes its time, shown in a terminal only."""
+"""Progress of what takes its time: shown in a terminal, elsewhere told in one line where it takes long."""
 
 from __future__ import annotations
 
+import os
 import sys
+import threading
 import time
 from collections.abc import Callable, Iterable, Iterator
-from contextlib import contextmanager
+from contextlib import contextmanager, suppress
 from typing import TYPE_CHECKING, TypeVar
 
 if TYPE_CHECKING:
@@ -15,32 +17,68 @@ if TYPE_CHECKING:
 SLOW = 2.0
 """Seconds after which a person wonders what is going on."""
 
+AFTER = "CLEANCLI_PROGRESS_AFTER"
+"""The environment's variable that sets other seconds; `inf` for never."""
+
 _Item = TypeVar("_Item")
 
 
 @contextmanager
 def working(what: str, quiet: bool = False) -> Iterator[None]:
-    """Show in a terminal that something takes its time; elsewhere, or if `quiet`, nothing."""
-    console = None if quiet else _terminal()
-    if console is None:
+    """Show in a terminal that something takes its time; elsewhere say so in a line of standard error once it
+    has taken long. If `quiet`, nothing."""
+    if quiet:
         yield
         return
-    with console.status(what):
+    console = _terminal()
+    with _told_late(what) if console is None else console.status(what):
         yield
+
+
+def slow() -> float:
+    """The seconds after which progress is told."""
+    try:
+        return float(os.environ.get(AFTER, SLOW))
+    except ValueError:
+        return SLOW
+
+
+@contextmanager
+def _told_late(what: str) -> Iterator[None]:
+    """A line of standard error where what is done meanwhile takes long; then `what` may be anywhere in
+    compiled code, so that another thread tells it."""
+    errors, seconds = sys.stderr, slow()
+    if not 0 <= seconds <= threading.TIMEOUT_MAX:
+        yield
+        return
+
+    def tell() -> None:
+        with suppress(OSError, ValueError):  # nobody reads it any more, or it is closed
+            print(f"{what} ...", file=errors, flush=True)
+
+    timer = threading.Timer(seconds, tell)
+    timer.daemon = True
+    timer.start()
+    try:
+        yield
+    finally:
+        timer.cancel()
 
 
 def counted(what: str, items: Iterable[_Item], number: int) -> Iterator[_Item]:
-    """The items as they come, of which there are so many; where they take long, a terminal shows how far."""
+    """The items as they come, of which there are so many; where they take long, a terminal shows how far, and
+    elsewhere a line of standard error says what is done."""
     console = _terminal()
     if console is None:
-        yield from items
+        with _told_late(what):
+            yield from items
         return
     bar, started = _bar(what, console), time.monotonic()
     task = bar.add_task(what, total=number)
     try:
         for item in items:
             bar.advance(task)
-            if not bar.live.is_started and time.monotonic() - started > SLOW:
+            if not bar.live.is_started and time.monotonic() - started > slow():
                 bar.start()
             yield item
     finally:

@@ -33,8 +33,8 @@ from cleancli.planning.refusal import planning_refused
 from cleancli.planning.registry import PLANNERS
 from cleancli.planning.request import PlanningRequest, numbered
 
-_DRAWING = "drawing runs (what draws is loaded first, or compiled, once after installation)"
-_PLANNING = "planning (the planner is loaded first, or compiled, once after installation)"
+_DRAWING = "drawing runs (the first time compiles what draws, for up to a minute)"
+_PLANNING = "planning (the first plan by this planner also compiles it, for up to a minute)"
 
 _APART = (
     ("planner", "compare", "evaluate"),
