@@ -65,7 +65,7 @@ def told(domain: Domain, account: Account) -> Iterator[str]:
     yield f"{account.file}, {account.number}. {call}, by {rule_name(domain, counted.rule)}"
     for index, share in enumerate(counted.shares):
         if share > _SMALL:
-            yield f"  {share:.2f}: {_outcome(domain, counted.rule, index)}"
+            yield f"  {share:z.2f}: {_outcome(domain, counted.rule, index)}"
     if counted.likeliest is None:
         yield "  no outcome explains it, and there is no noise to count it to"
     for wrong in counted.slips:
@@ -83,8 +83,8 @@ def suggested(domain: Domain, found: Suggestion) -> str:
     """A suggestion as a line for people; its probability is the share of the rule's examples."""
     name, share = rule_name(domain, found.rule), found.explains / found.examples
     return (
-        f"{name}: `{share:.2f}: {found.effects}` would explain {found.explains} of {found.noise} results that"
-        f" count as noise (log-likelihood + {found.gain:.1f})"
+        f"{name}: `{share:z.2f}: {found.effects}` would explain {found.explains} of {found.noise} results"
+        f" that count as noise (log-likelihood + {found.gain:z.1f})"
     )
 
 

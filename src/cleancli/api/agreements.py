@@ -50,9 +50,9 @@ class AgreementResult:
             (
                 rule.rule,
                 str(rule.examples),
-                f"{rule.statistic:.1f}",
+                f"{rule.statistic:z.1f}",
                 str(rule.freedom),
-                f"{rule.p:.2g}",
+                f"{rule.p:z.2g}",
                 "yes" if rule.agrees else "no",
             )
             for rule in self.rules

@@ -57,14 +57,14 @@ class EvaluationResult:
     def table(self) -> TextTable:
         """A row for each way to value the sequence."""
         by_belief = "by PRADA's belief, in which variables are independent"
-        rows = [("factored", f"{self.factored:.4f}", by_belief)]
+        rows = [("factored", f"{self.factored:z.4f}", by_belief)]
         if self.exact is not None:
-            rows.append(("exact", f"{self.exact:.4f}", "from the distribution over states"))
+            rows.append(("exact", f"{self.exact:z.4f}", "from the distribution over states"))
         elif self.sampled is not None:
             rows.append(("exact", "-", "too many states may occur"))
         if self.sampled is not None:
-            error = f"± {self.sampled.error:.4f} (standard error), {plural(self.sampled.runs, 'run')}"
-            rows.append(("sampled", f"{self.sampled.value:.4f}", error))
+            error = f"± {self.sampled.error:z.4f} (standard error), {plural(self.sampled.runs, 'run')}"
+            rows.append(("sampled", f"{self.sampled.value:z.4f}", error))
         return TextTable(("value", "of the sequence", "how"), tuple(rows), (0, 2))
 
     def ending(self) -> Iterator[str]:

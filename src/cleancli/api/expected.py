@@ -70,7 +70,7 @@ class Expected:
         heads = ("step", "covered", "by", "reward", "left", "chance", "what may happen")
         rows: list[tuple[str, ...]] = []
         if self.remaining is not None:
-            rows.append(("start", "", "", "", f"{self.remaining:.3f}", "", ""))
+            rows.append(("start", "", "", "", f"{self.remaining:z.3f}", "", ""))
         for number, step in enumerate(self.steps, start=1):
             rows += _rows(number, step)
         return TextTable(heads, tuple(rows), WORDS)
@@ -95,12 +95,12 @@ def _outcome(job: PlanningRequest, result: Result) -> ExpectedOutcome:
 
 
 def _rows(number: int, step: ExpectedStep) -> list[tuple[str, ...]]:
-    left = "" if step.remaining is None else f"{step.remaining:.3f}"
+    left = "" if step.remaining is None else f"{step.remaining:z.3f}"
     rows: list[tuple[str, ...]] = []
     pairs = itertools.zip_longest(_covering(step), _likely(step), fillvalue=None)
     for index, (rule, result) in enumerate(pairs):
         head = (f"{number}. {step.action}", _chance(step.covered)) if index == 0 else ("", "")
-        numbers = (f"{step.reward:.3f}", left) if index == 0 else ("", "")
+        numbers = (f"{step.reward:z.3f}", left) if index == 0 else ("", "")
         rows.append((*head, rule or "", *numbers, *(result or ("", ""))))
     return rows
 
@@ -128,7 +128,7 @@ def _text(outcome: ExpectedOutcome) -> str:
 
 
 def _chance(probability: float) -> str:
-    return f"{probability:.3f}"
+    return f"{probability:z.3f}"
 
 
 def timed_forecast(

@@ -59,10 +59,10 @@ def unreached_lines(hopeless: bool, first_and_longer: tuple[int, int] | None) ->
 
 def chance_line(chance: GoalChance, horizon: int | None) -> str:
     """How likely the goal is reached within a horizon."""
-    how = f" (± {chance.error:.2g}, {chance.runs} drawn runs)" if chance.runs else ""
+    how = f" (± {chance.error:z.2g}, {chance.runs} drawn runs)" if chance.runs else ""
     digits = 3 if chance.runs else 6
     within = plural(horizon or 0, "action")
-    return f"reaches the goal with probability {chance.probability:.{digits}g}{how} within {within}"
+    return f"reaches the goal with probability {chance.probability:z.{digits}g}{how} within {within}"
 
 
 def chance_of(job: PlanningRequest, policy: Policy) -> GoalChance | None:

@@ -74,11 +74,11 @@ class FoundChange:
     after: tuple[float, ...]
 
     def __str__(self) -> str:
-        before, after = (" ".join(f"{share:.2f}" for share in part) for part in (self.before, self.after))
+        before, after = (" ".join(f"{share:z.2f}" for share in part) for part in (self.before, self.after))
         return (
             f"{self.rule} does something else since transition {self.transition} of"
-            f" {printable(self.experience)} (p = {self.p:.1g}): its outcomes had {before} before, and {after}"
-            " since then; --forgetting lets old examples fade"
+            f" {printable(self.experience)} (p = {self.p:z.1g}): its outcomes had {before} before, and"
+            f" {after} since then; --forgetting lets old examples fade"
         )
 
 

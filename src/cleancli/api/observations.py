@@ -202,12 +202,12 @@ def _facts(state: State) -> dict[str, list[list[str]]]:
 
 def told(seen: SeenLook) -> Iterator[str]:
     areas, unseen = seen.look.areas, seen.look.known.unseen.share
-    hidden = f", {unseen:.0%} of the surface unseen" if unseen >= 0.005 else ""
+    hidden = f", {unseen:z.0%} of the surface unseen" if unseen >= 0.005 else ""
     yield f"{seen.source}: {plural(len(areas), 'area')}{hidden}"
     yield from (f"  {change}" for change in seen.look.known.changes)
     yield from (f"  {_line(area, seen)}" for area in areas)
     if seen.look.observation.arrived is not None:
-        yield f"  in the zone: {seen.look.observation.arrived:.0%} of the dirt that is seen"
+        yield f"  in the zone: {seen.look.observation.arrived:z.0%} of the dirt that is seen"
     if seen.look.left_out:
         yield f"  left out of plans: {', '.join(seen.look.left_out)}"
     for symbol, holds in _facts(seen.look.state).items():
@@ -221,10 +221,10 @@ def _line(area: Area, seen: SeenLook) -> str:
     said = [str(told["size"])] if "size" in told else []
     said += [name for name, value in told.items() if value is True]
     if share := seen.look.known.hidden[area.name]:
-        said.append("remembered" if share == 1 else f"{share:.0%} hidden")
+        said.append("remembered" if share == 1 else f"{share:z.0%} hidden")
     words = "".join(f", {word}" for word in said)
     return f"{area.name}: at ({_cm(x)}, {_cm(y)}) cm, {_cm(2 * long)} x {_cm(2 * short)} cm{words}"
 
 
 def _cm(metres: float) -> str:
-    return f"{metres * 100:.1f}".removesuffix(".0")
+    return f"{metres * 100:z.1f}".removesuffix(".0")

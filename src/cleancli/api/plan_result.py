@@ -27,7 +27,7 @@ _WITH_MARGIN = ("prada", "aprada")
 """Planners that ask a plan to be worth so much more than nothing (`--option margin`)."""
 
 _SHORT = (
-    "the problem states no horizon, and {within} the goal with probability {chance:.2g}:"
+    "the problem states no horizon, and {within} the goal with probability {chance:z.2g}:"
     " write for example `horizon = {longer}`"
 )
 """Beside a plan that the usual horizon is too short for."""
@@ -67,7 +67,7 @@ class PlanBranch:
         result = f"comes to {', '.join(self.effects)}" if self.effects else "changes nothing"
         result += " late" if self.late else ""
         rest = " ".join(self.plan) or "nothing more"
-        return f"if {self.step}. {action} {result} ({self.probability:.3f}): {rest}"
+        return f"if {self.step}. {action} {result} ({self.probability:z.3f}): {rest}"
 
 
 @dataclass(frozen=True, slots=True)
@@ -137,7 +137,7 @@ class PlanResult:
     def ending(self) -> Iterator[str]:
         """What stands below the steps: branches, where steps are explained, what was not planned for, and the
         value."""
-        if self.explained is not None and self.plan and self.measure in ("policy", "hoped"):
+        if self.explained is not None and self.plan and self.measure in ("policy", "estimated", "hoped"):
             yield _OF_A_POLICY
         if self.explained is not None and self.branches:
             yield from (branch.told(self.plan[branch.step - 1]) for branch in self.branches)
@@ -156,9 +156,9 @@ class PlanResult:
                 yield _SHORT.format(within=within, chance=chance, longer=self.longer_horizon)
             yield chance_line(self.goal_chance, self.horizon)
         sampled = f", {plural(self.samples, 'sample')}" if self.samples else ""
-        coverage = "" if self.coverage is None else f", coverage {self.coverage:.3g}"
+        coverage = "" if self.coverage is None else f", coverage {self.coverage:z.3g}"
         yield (
-            f"value {self.value:.4f} ({self.measure}) by {self.planner}{sampled},"
+            f"value {self.value:z.4f} ({self.measure}) by {self.planner}{sampled},"
             f" horizon {self.horizon}, {plural(self.objects, 'object')}{coverage}"
         )
 
@@ -166,8 +166,8 @@ class PlanResult:
 def reached_lines(reached: Reached, planner: str) -> Iterator[str]:
     """What a policy without a horizon is worth, and how wrong that may be."""
     yield (
-        f"reaches the goal with probability {reached.probability:.10g} (± {reached.probability_error:.1g}),"
-        f" expected {_TAKES[reached.objective]} {reached.cost:.10g} (± {reached.cost_error:.1g})"
+        f"reaches the goal with probability {reached.probability:.10g} (± {reached.probability_error:z.1g}),"
+        f" expected {_TAKES[reached.objective]} {reached.cost:.10g} (± {reached.cost_error:z.1g})"
     )
     yield f"the policy of {planner}, horizon unlimited, {plural(reached.states, 'state')}"
 

@@ -114,7 +114,7 @@ class RulesComparison:
 
 
 def _number(value: float | None) -> str:
-    return "-" if value is None else f"{value:.4f}"
+    return "-" if value is None else f"{value:z.4f}"
 
 
 def _told(pair: ComparedRules, witness: StateOfDifference) -> str:
@@ -128,7 +128,7 @@ def _told(pair: ComparedRules, witness: StateOfDifference) -> str:
         ("second", pair.second, witness.second),
     ):
         lines.append(f"  {title}, {rule or 'no rule'}")
-        lines += [f"    {each.probability:.4g}: {', '.join(each.changes) or 'nothing'}" for each in said]
+        lines += [f"    {each.probability:z.4g}: {', '.join(each.changes) or 'nothing'}" for each in said]
     return "\n".join(lines)
 
 

@@ -55,7 +55,7 @@ class RunResult:
         return "\n".join(self._lines())
 
     def _repr_html_(self) -> str:
-        rows = tuple((kind.replace("_", " "), f"{spent:.1f}") for kind, spent in self.seconds.items())
+        rows = tuple((kind.replace("_", " "), f"{spent:z.1f}") for kind, spent in self.seconds.items())
         told = "".join(f"<p>{shown(line)}</p>" for line in self._lines())
         return f"<div>{told}{TextTable(('seconds of', 's'), rows).html()}</div>"
 
@@ -68,8 +68,8 @@ class RunResult:
             yield f"in the end: {self.told}"
         yield from unreached_lines(self.hopeless, self.short_horizon)
         if kinds:
-            spent = ", ".join(f"{kind.replace('_', ' ')} {s:.1f}" for kind, s in kinds.items())
-            yield f"seconds: {sum(self.seconds.values()):.1f} ({spent})"
+            spent = ", ".join(f"{kind.replace('_', ' ')} {s:z.1f}" for kind, s in kinds.items())
+            yield f"seconds: {sum(self.seconds.values()):z.1f} ({spent})"
         if "particles" in self.truth:
             yield from _left(self.truth)
         yield f"record: {self.folder}/  page: {PAGE}" + ("  video: video.mp4" if self.video else "")
@@ -78,7 +78,7 @@ class RunResult:
 def _left(truth: Mapping[str, object]) -> Iterator[str]:
     """Where the dirt truly is: particles, ink, or both."""
     if truth["ink_left"] is not None:
-        yield f"truly: {truth['ink_left']:.1%} of the ink left"
+        yield f"truly: {truth['ink_left']:z.1%} of the ink left"
     if not truth["particles"] and truth["ink_left"] is not None:
         return
     total, zone = truth["particles"], truth.get("in_zone")

@@ -79,8 +79,8 @@ class SeriesResult:
                 str(number),
                 "yes" if run.clean else "no",
                 str(run.actions),
-                f"{sum(run.seconds.values()):.1f}",
-                *(f"{run.seconds[kind]:.1f}" for kind in kinds),
+                f"{sum(run.seconds.values()):z.1f}",
+                *(f"{run.seconds[kind]:z.1f}" for kind in kinds),
             )
             for number, run in enumerate(self.runs, start=1)
         )

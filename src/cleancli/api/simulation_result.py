@@ -103,7 +103,7 @@ class SimulationResult:
 def _falling(off: Sequence[float]) -> str:
     """How far off it was after which episodes: the first, twice as many, and so on, and all."""
     numbers = sorted({*(2**power for power in range(len(off).bit_length())), len(off)})
-    (first, *others) = (f"{off[number - 1]:.3f} after {number}" for number in numbers)
+    (first, *others) = (f"{off[number - 1]:z.3f} after {number}" for number in numbers)
     return ", ".join((f"{first} episode", *others))
 
 
@@ -121,16 +121,16 @@ def _done(summary: Summary) -> tuple[str, ...]:
 def _mean(estimate: Estimate | None, digits: int) -> str:
     if estimate is None:
         return "-"
-    half = "" if estimate.high is None else f" ± {estimate.high - estimate.mean:.{digits}f}"
-    return f"{estimate.mean:.{digits}f}{half}"
+    half = "" if estimate.high is None else f" ± {estimate.high - estimate.mean:z.{digits}f}"
+    return f"{estimate.mean:z.{digits}f}{half}"
 
 
 def _share(estimate: Estimate | None) -> str:
     """Not symmetric, so with both ends."""
     if estimate is None or estimate.low is None or estimate.high is None:
         return "-"
-    return f"{100 * estimate.mean:.1f} ({100 * estimate.low:.1f} to {100 * estimate.high:.1f})"
+    return f"{100 * estimate.mean:z.1f} ({100 * estimate.low:z.1f} to {100 * estimate.high:z.1f})"
 
 
 def _milliseconds(seconds: float | None) -> str:
-    return "-" if seconds is None else f"{1000 * seconds:.1f}"
+    return "-" if seconds is None else f"{1000 * seconds:z.1f}"

@@ -121,7 +121,7 @@ class StructureResult(Rewritten):
 def _number(value: float | None) -> str:
     if value is None:
         return "-"
-    return str(value) if isinstance(value, int) else f"{value:.1f}" if abs(value) >= 1 else f"{value:.3f}"
+    return str(value) if isinstance(value, int) else f"{value:z.1f}" if abs(value) >= 1 else f"{value:z.3f}"
 
 
 def learn_structure(
@@ -364,7 +364,7 @@ def _notes(names: Sequence[str], found: Revised, wanted: Wanted) -> Iterator[str
     if scores.unforetold:
         share = scores.unforetold / scores.transitions
         yield (
-            f"in {plural(scores.unforetold, 'transition')} ({share:.1%}) something happened that no outcome"
+            f"in {plural(scores.unforetold, 'transition')} ({share:z.1%}) something happened that no outcome"
             " says: it counts as noise, or was seen wrongly"
         )
     for name in names:

@@ -25,7 +25,7 @@ def cells_table(study: Study, rows: Sequence[Row]) -> TextTable:
     for cell, own in by_cell.items():
         counts = [measure.of(row) for row in own if row.clean or measure.always]
         clean = str(sum(row.clean for row in own))
-        shown = "refused" if all_refused(own) else f"{mean(counts):.4g}" if counts else ""
+        shown = "refused" if all_refused(own) else f"{mean(counts):z.4g}" if counts else ""
         lines.append((*cell, str(len(own)), clean, shown))
     done = words_for(rows).done
     shown = f"share {done}" if study.measure == "clean" else study.measure

@@ -80,8 +80,9 @@ class Plan:
 
     `measure` says whose value that is: "factored" (a belief of independent variables), "exact" or "sampled"
     (the sequence's own), "policy" (of acting on what is seen, of which the sequence is the likeliest course),
-    or "hoped" (of the same, and a guess by how far a goal is). `coverage` is eq. 3's share of the sequences
-    that were sampled, None where none were; `seconds` per phase of the planner. `policy`: whose likeliest
+    "estimated" (of the same, if it stopped after some steps, by drawn results), or "hoped" (of the same, and
+    a guess by how far a goal is). `coverage` is eq. 3's share of the sequences that were sampled, None where
+    none were; `seconds` per phase of the planner. `policy`: whose likeliest
     course the sequence is; None of a sequence that is carried out whatever happens. `results`: what each
     action of its course sets where it goes as the course says; none of such a sequence.
     """

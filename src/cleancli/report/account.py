@@ -44,7 +44,7 @@ class RunRow:
     @property
     def remains(self) -> str:
         """What is truly left on the table, in words; empty where nobody has looked."""
-        ink = [] if self.ink_left is None else [f"{self.ink_left:.1%} of the ink"]
+        ink = [] if self.ink_left is None else [f"{self.ink_left:z.1%} of the ink"]
         if None in (self.particles, self.left) or (ink and not self.particles):
             return "".join(ink)
         return ", ".join([f"{self.left} of {self.particles}", *ink])

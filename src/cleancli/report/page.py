@@ -171,7 +171,7 @@ def _said(value: object) -> str:
     if isinstance(value, bool):
         return "yes" if value else "no"
     if isinstance(value, tuple):
-        return "; ".join(f"{x:.3f}, {y:.3f} m" for x, y in value) or "nowhere"
+        return "; ".join(f"{x:z.3f}, {y:z.3f} m" for x, y in value) or "nowhere"
     return str(value)
 
 
@@ -185,23 +185,23 @@ def told_options(options: Mapping[str, object], symbolic: bool) -> Iterator[tupl
 
 def seconds_text(seconds: float) -> str:
     """With as many digits as are of use."""
-    return f"{seconds:.2f} s" if seconds < 10 else f"{seconds:.1f} s"
+    return f"{seconds:z.2f} s" if seconds < 10 else f"{seconds:z.1f} s"
 
 
 def interval_text(estimate: Estimate, digits: int = 1) -> str:
     """A mean with its interval in brackets, where it has one; a dash where there is no mean."""
     if isnan(estimate.value):
         return "-"
-    value = f"{estimate.value:.{digits}f}"
-    return f"{value} [{estimate.low:.{digits}f}, {estimate.high:.{digits}f}]" if estimate.known else value
+    value = f"{estimate.value:z.{digits}f}"
+    return f"{value} [{estimate.low:z.{digits}f}, {estimate.high:z.{digits}f}]" if estimate.known else value
 
 
 def _measure(plan: Planned) -> str:
     """What a plan was found to be worth, how, and by whom; of a strategy that does not plan, nothing."""
     if not plan.measure:
         return "of a strategy that looks no further"
-    coverage = "" if plan.coverage is None else f", coverage {plan.coverage:.2g}"
-    return f"value {plan.value:.2f} ({plan.measure}{coverage}), by {plan.planner}"
+    coverage = "" if plan.coverage is None else f", coverage {plan.coverage:z.2g}"
+    return f"value {plan.value:z.2f} ({plan.measure}{coverage}), by {plan.planner}"
 
 
 def _verdict(run: Run) -> tuple[str, str]:
@@ -214,7 +214,7 @@ def _verdict(run: Run) -> tuple[str, str]:
 
 def _figures(run: Run, steps: Sequence[Step]) -> Iterator[tuple[str, str]]:
     row = row_of(run)
-    yield "in all" if row.clean is not None else "so far", f"{row.total:.1f} s"
+    yield "in all" if row.clean is not None else "so far", f"{row.total:z.1f} s"
     yield "actions", str(row.actions)
     if row.goal is not None:
         yield "the goal holds", "yes" if row.goal else "no"
@@ -226,7 +226,7 @@ def _figures(run: Run, steps: Sequence[Step]) -> Iterator[tuple[str, str]]:
     if None not in (row.particles, row.left) and (row.particles or row.ink_left is None):
         yield "particles truly left", f"{row.left} of {row.particles}"
     if row.ink_left is not None:
-        yield "ink truly left", f"{row.ink_left:.1%}"
+        yield "ink truly left", f"{row.ink_left:z.1%}"
     if row.on_floor:
         yield "particles on the floor", str(row.on_floor)
 
@@ -234,7 +234,7 @@ def _figures(run: Run, steps: Sequence[Step]) -> Iterator[tuple[str, str]]:
 def _segment(stretch: Stretch, axis: float, steps: Sequence[Step]) -> Segment:
     calls = {step.number: step.call for step in steps}
     what = f"{stretch.number}. {calls[stretch.number]}: " if stretch.number in calls else ""
-    title = f"{what}{name_of(stretch.kind)}, {seconds_text(stretch.seconds)} from {stretch.start:.1f} s on"
+    title = f"{what}{name_of(stretch.kind)}, {seconds_text(stretch.seconds)} from {stretch.start:z.1f} s on"
     left, width = 100 * stretch.start / axis, 100 * stretch.seconds / axis
     return Segment(colour_of(stretch.kind), left, width, title, stretch.number)
 
@@ -252,7 +252,7 @@ def _curve(counts: Iterable[Count], axis: float) -> str:
             points.append((x, points[-1][1]))
         points.append((x, y))
     points.append((1000.0, points[-1][1]))
-    return " ".join(f"{x:.1f},{y:.1f}" for x, y in points)
+    return " ".join(f"{x:z.1f},{y:z.1f}" for x, y in points)
 
 
 def _settable(steps: Iterable[Step]) -> frozenset[str]:

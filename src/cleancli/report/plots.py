@@ -87,4 +87,4 @@ def _y(value: float, top: float) -> float:
 
 
 def _points(points: Iterable[tuple[float, float]]) -> str:
-    return " ".join(f"{x:.1f},{y:.1f}" for x, y in points)
+    return " ".join(f"{x:z.1f},{y:z.1f}" for x, y in points)

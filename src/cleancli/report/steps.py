@@ -101,7 +101,7 @@ def step_text(step: StepEntry) -> str:
         return "no rule says what it does"
     outcome = step.expected.outcomes[number]
     word = "likeliest" if number == best else "once it comes to"
-    return f"{word}: {chance_text(outcome)} ({outcome.probability:.2f})"
+    return f"{word}: {chance_text(outcome)} ({outcome.probability:z.2f})"
 
 
 def chance_text(outcome: Chance) -> str:

@@ -160,7 +160,7 @@ def _crowded(rows: Sequence[Row]) -> str:
     if not shared:
         return ""
     return (
-        f" In {plural(shared, 'episode')} the process had less than {CROWDED:.0%} of a processor"
+        f" In {plural(shared, 'episode')} the process had less than {CROWDED:z.0%} of a processor"
         " (`cpu`, `real`): planning and looking, which are real time, took longer than on a free machine."
     )
 
@@ -245,7 +245,7 @@ def _leaning(expect: str, lesser: float) -> str:
     less. A tie is half a pair to either side."""
     if isnan(lesser):
         return ""
-    return f"more in {1 - lesser:.0%}" if expect == "more" else f"less in {lesser:.0%}"
+    return f"more in {1 - lesser:z.0%}" if expect == "more" else f"less in {lesser:z.0%}"
 
 
 def _verdict(each: Judged, words: Words) -> str:
@@ -353,11 +353,11 @@ def _number(value: float) -> str:
     """With three digits; nothing where there is none."""
     if isnan(value):
         return ""
-    return f"{value:,.0f}" if abs(value) >= 999.5 else f"{value:.3g}"
+    return f"{value:,.0f}" if abs(value) >= 999.5 else f"{value:z.3g}"
 
 
 def _chance(value: float) -> str:
-    return f"{value:.2g}" if value >= 0.001 else "< 0.001"
+    return f"{value:z.2g}" if value >= 0.001 else "< 0.001"
 
 
 def _table(names: Sequence[str], rows: Iterable[Sequence[str]]) -> str:

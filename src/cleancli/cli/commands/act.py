@@ -218,7 +218,7 @@ def table(title: str, trials: Sequence[Trial]) -> str:
     for outcome in COUNTED:
         low, high = wilson(counts[outcome], total)
         share = counts[outcome] / total if total else 0.0
-        lines.append(f"{outcome.value:12} {counts[outcome]:6}  {share:5.2f}  {low:.2f}-{high:.2f}")
+        lines.append(f"{outcome.value:12} {counts[outcome]:6}  {share:5.2f}  {low:z.2f}-{high:z.2f}")
     lines += [f"{o.value:12} {counts[o]:6}" for o in TrialResult if o not in COUNTED and counts[o]]
     reasons = Counter(trial.failure for trial in trials if trial.failure)
     lines += [f"  {number} x {reason}" for reason, number in reasons.most_common()]
@@ -226,8 +226,8 @@ def table(title: str, trials: Sequence[Trial]) -> str:
     if done:
         left = sum(trial.left for trial in done) / max(1, sum(trial.targets for trial in done))
         lines.append(
-            f"left on the table: {left:.0%} of the dirt{_on_floor(done)};"
-            f" robot time: {np.mean([t.seconds for t in done]):.1f} s"
+            f"left on the table: {left:z.0%} of the dirt{_on_floor(done)};"
+            f" robot time: {np.mean([t.seconds for t in done]):z.1f} s"
         )
     return "\n".join(lines)
 
@@ -316,4 +316,4 @@ def _trial(trial: Trial) -> dict[str, object]:
 
 
 def _cm(setting: Scene) -> str:
-    return f"{setting.rag.width * 100:.4g} cm"
+    return f"{setting.rag.width * 100:z.4g} cm"

@@ -173,10 +173,10 @@ def _printed(found: Adjusted, frames: int, out: Path) -> str:
     lines += [f"{name:14} {value:7.3g}  {default[name]:7.3g}" for name, value in thresholds.items()]
     lines += _expected(found)
     if found.objects:
-        lines.append(f"objects on {found.objects:.1%} of it taught `object_edge`")
+        lines.append(f"objects on {found.objects:z.1%} of it taught `object_edge`")
     if thresholds["contrast"] > 2 * default["contrast"]:
         lines.append(
-            f"dirt that differs by less than {thresholds['contrast']:.0%} from the surface will not be seen"
+            f"dirt that differs by less than {thresholds['contrast']:z.0%} from the surface will not be seen"
         )
     return "\n".join([*lines, f'refer to it in a scene: camera {{ calibration = "{out.name}" }}'])
 
@@ -191,6 +191,7 @@ def _expected(found: Adjusted) -> list[str]:
     return [
         f"expected of unseen frames (each judged by the {plural(len(each) - 1, 'other')}): "
         f"{plural(false, 'false patch', 'false patches')} in {plural(len(each), 'frame')}, at least "
-        f"{min(one.background for one in each):.2%} background,",
-        f"thresholds {room[0]:.2f} times (gradient) and {room[1]:.2f} times (contrast) what the worst needs",
+        f"{min(one.background for one in each):z.2%} background,",
+        f"thresholds {room[0]:z.2f} times (gradient) and {room[1]:z.2f} times (contrast) what the worst "
+        "needs",
     ]

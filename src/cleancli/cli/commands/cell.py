@@ -322,7 +322,7 @@ def _refuse_beyond(setting: Scene, laid: Laid, found: Sighted) -> None:
     beyond = float((np.abs(places) - half).max())
     if beyond > 0:
         raise click.BadParameter(
-            f"the board would lie {100 * beyond:.0f} cm beyond the surface of `{setting.name}`, which is "
-            f"{200 * half[0]:.0f} x {200 * half[1]:.0f} cm",
+            f"the board would lie {100 * beyond:z.0f} cm beyond the surface of `{setting.name}`, which is "
+            f"{200 * half[0]:z.0f} x {200 * half[1]:z.0f} cm",
             param_hint="--at",
         )

@@ -109,7 +109,7 @@ def _table(rows: Sequence[RunRow]) -> Table:
     columns = ("strategy", "seed", "ended", "actions", "left", "seconds", *compared)
     table = plain_table("run", *columns, *(name_of(kind) for kind in kinds))
     for row in rows:
-        part = f"{100 * row.total / rows[0].total:.0f} %" if rows[0].total else "-"
+        part = f"{100 * row.total / rows[0].total:z.0f} %" if rows[0].total else "-"
         table.add_row(
             row.name,
             row.strategy,
@@ -117,8 +117,8 @@ def _table(rows: Sequence[RunRow]) -> Table:
             row.verdict,
             str(row.actions),
             row.remains or "-",
-            f"{row.total:.1f}",
+            f"{row.total:z.1f}",
             *((part,) if compared else ()),
-            *(f"{row.seconds[kind]:.1f}" if kind in row.seconds else "-" for kind in kinds),
+            *(f"{row.seconds[kind]:z.1f}" if kind in row.seconds else "-" for kind in kinds),
         )
     return table

@@ -132,7 +132,7 @@ def _printed(setting: Scene, found: Reached) -> str:
     lines = [
         f"{setting.name}: a surface of {_cm(surface.width)} x {_cm(surface.depth)} cm, friction"
         f" {surface.friction:g}; a container {_cm(container.width)} cm wide at the {container.edge} edge",
-        f"robot: {setting.robot}, reaches {found.share:.0%} of the surface;"
+        f"robot: {setting.robot}, reaches {found.share:z.0%} of the surface;"
         f" rag: {_cm(setting.rag.width)} cm wide, grasp {setting.rag.grasp.name}",
         f"dirt: {', '.join(_named(setting.dirt))}",
     ]
@@ -142,7 +142,7 @@ def _printed(setting: Scene, found: Reached) -> str:
     if found.missed_particles:
         lines.append(f"out of reach: {found.missed_particles} of {found.particles} pieces of dirt")
     if found.missed_ink:
-        lines.append(f"out of reach: {found.missed_ink / found.ink:.1%} of the ink")
+        lines.append(f"out of reach: {found.missed_ink / found.ink:z.1%} of the ink")
     return "\n".join(lines)
 
 
@@ -154,4 +154,4 @@ def _named(dirt: Sequence[Dirt]) -> Iterator[str]:
 
 
 def _cm(metres: float) -> str:
-    return f"{metres * 100:.1f}".removesuffix(".0")
+    return f"{metres * 100:z.1f}".removesuffix(".0")

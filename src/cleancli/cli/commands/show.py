@@ -128,7 +128,7 @@ def _parts(domain: Domain, sizes: Sizes | None) -> Iterator[RenderableType]:
             f"problem {sizes.problem}: {plural(sizes.objects, 'object')},"
             f" {plural(sizes.variables, 'state variable')}, {plural(sizes.actions.total(), 'action')},"
             f" {plural(sizes.rules.total(), 'rule')}; horizon {horizon_text(sizes.horizon)},"
-            f" coverage {sizes.coverage:.3g} by {plural(sizes.samples, 'sample')} (eq. 3)"
+            f" coverage {sizes.coverage:z.3g} by {plural(sizes.samples, 'sample')} (eq. 3)"
         )
 
 

@@ -17,15 +17,15 @@ def camera_told(found: Sighted, frames: int, out: Path) -> str:
     x, y, z = 100 * found.pose[:3, 3]
     slant = np.degrees(np.arccos(np.clip(-found.pose[2, 2], -1, 1)))
     lines = [
-        f"{out}: the camera stands at ({x:.1f}, {y:.1f}, {z:.1f}) cm, {slant:.1f} degrees off looking "
+        f"{out}: the camera stands at ({x:z.1f}, {y:z.1f}, {z:z.1f}) cm, {slant:z.1f} degrees off looking "
         "straight down",
         f"board {found.board.name}: {plural(found.corners, 'corner')} in {found.pictures} of "
-        f"{plural(frames, 'picture')}, {found.misfit:.2f} pixels off on average",
+        f"{plural(frames, 'picture')}, {found.misfit:z.2f} pixels off on average",
     ]
     if found.depth_scale is not None:
         lines.append(
             f"the plane by {found.points} points of depth, which shows the board "
-            f"{abs(1 / found.depth_scale - 1):.1%} {'smaller' if found.depth_scale > 1 else 'larger'} than "
+            f"{abs(1 / found.depth_scale - 1):z.1%} {'smaller' if found.depth_scale > 1 else 'larger'} than "
             "it is"
         )
     return "\n".join(lines)
@@ -51,18 +51,18 @@ def table_told(found: Touched, out: Path) -> str:
     slant = np.degrees(np.arccos(np.clip(found.pose[2, 2], -1, 1)))
     turn = np.degrees(np.arctan2(found.pose[1, 0], found.pose[0, 0]))
     lines = [
-        f"{out}: the table's middle is at ({x:.1f}, {y:.1f}, {z:.1f}) mm for the robot; its x is turned by "
-        f"{turn:.1f} degrees from the robot's, and it slants by {slant:.2f} degrees"
+        f"{out}: the table's middle is at ({x:z.1f}, {y:z.1f}, {z:z.1f}) mm for the robot; its x is turned "
+        f"by {turn:z.1f} degrees from the robot's, and it slants by {slant:z.2f} degrees"
     ]
     told = plural(len(found.residuals), "touch", "touches")
     if found.spread is not None and found.height_errors is not None:
         middle, corner = (1000 * error for error in found.height_errors)
         lines.append(
-            f"{told}, {1000 * found.spread:.2f} mm off a plane; the height is so known to {middle:.2f} mm in "
-            f"the table's middle, and to {corner:.2f} mm at its corners (standard deviations)"
+            f"{told}, {1000 * found.spread:z.2f} mm off a plane; the height is so known to {middle:z.2f} mm "
+            f"in the table's middle, and to {corner:z.2f} mm at its corners (standard deviations)"
         )
     if found.corners is not None:
-        lines.append(f"corners of the board are {1000 * found.corners.misfit:.1f} mm off on average")
+        lines.append(f"corners of the board are {1000 * found.corners.misfit:z.1f} mm off on average")
     return "\n".join(lines)
 
 
@@ -84,16 +84,16 @@ def seen_told(found: Seen | None) -> list[str]:
     if found is None:
         return []
     lines = [
-        f"the camera sees the table {1000 * found.higher:+.1f} mm above its place, slanting by "
-        f"{found.slanted:.2f} degrees"
+        f"the camera sees the table {1000 * found.higher:+z.1f} mm above its place, slanting by "
+        f"{found.slanted:z.2f} degrees"
     ]
     if found.shifted is None or found.turned is None:
         return [*lines, "its rim is not in view whole, so that nothing is known of its place and turn"]
     east, north = (1000 * by for by in found.shifted)
     return [
         *lines,
-        f"its middle is {east:+.1f} mm east and {north:+.1f} mm north of its place, and it is turned by "
-        f"{found.turned:+.2f} degrees",
+        f"its middle is {east:+z.1f} mm east and {north:+z.1f} mm north of its place, and it is turned by "
+        f"{found.turned:+z.2f} degrees",
     ]
 
 
@@ -101,5 +101,7 @@ def felt_told(found: Felt | None) -> list[str]:
     """Where the tool touches the table; nothing where it was not asked."""
     if found is None:
         return []
-    beside = "" if found.beside is None else f", and {1000 * found.beside:.1f} mm beside corners of the board"
-    return [f"the tool touches the table {1000 * found.higher:+.2f} mm above its place{beside}"]
+    beside = (
+        "" if found.beside is None else f", and {1000 * found.beside:z.1f} mm beside corners of the board"
+    )
+    return [f"the tool touches the table {1000 * found.higher:+z.2f} mm above its place{beside}"]

@@ -196,7 +196,7 @@ def _side(shown: Shown, limit: int, ascii_only: bool) -> list[Text]:
 def _clock(shown: Shown) -> Iterator[Text]:
     if shown.clock or not shown.told:  # a domain may have no durations
         clock = "time of the domain" if shown.told else "robot time"
-        yield _line(f"{clock} {shown.clock:.1f} s")
+        yield _line(f"{clock} {shown.clock:z.1f} s")
 
 
 def _state(shown: Shown, ascii_only: bool) -> Iterator[Text]:
@@ -218,7 +218,7 @@ def _last_action(shown: Shown) -> Iterator[Text]:
 def _planned(shown: Shown) -> Iterator[Text]:
     if not shown.moves:
         return
-    value = "" if shown.value is None else f", value {shown.value:.2f}"
+    value = "" if shown.value is None else f", value {shown.value:z.2f}"
     yield _line(f"still planned{value}", "dim")
     yield from (_line(f"  {move}") for move in shown.moves[:NEXT])
     if len(shown.moves) > NEXT:
@@ -229,7 +229,7 @@ def _account(spent: Account, ascii_only: bool) -> Iterator[Text]:
     """Where the time went: what took so much of it that it is told."""
     if not spent.total:
         return
-    yield _line(f"time {spent.total:.1f} s", "dim")
+    yield _line(f"time {spent.total:z.1f} s", "dim")
     for kind, seconds in spent.by_kind().items():
         if seconds >= 0.05:
             bar = _bar(seconds / spent.total, ascii_only)

@@ -124,14 +124,14 @@ class _Lines:
             self._tell(self._told(event.situation))
         else:
             look = f"looked{_LOOKS[event.purpose]}"
-            self._line(f"{look}: {_seen(event.situation)} ({event.seconds:.2f} s)")
+            self._line(f"{look}: {_seen(event.situation)} ({event.seconds:z.2f} s)")
         self._seen = names_of(event.situation)
 
     def _carried_out(self, event: StrokeEnded) -> None:
         if self._told is None:
-            self._line(f"  {event.number}. carried out at {event.clock:.1f} s of robot time")
+            self._line(f"  {event.number}. carried out at {event.clock:z.1f} s of robot time")
         elif event.clock:  # the domain has durations
-            self._line(f"  {event.number}. carried out at {event.clock:.1f} s of the domain's time")
+            self._line(f"  {event.number}. carried out at {event.clock:z.1f} s of the domain's time")
 
     def _decided(self, event: Decided) -> None:
         """What is to be done now. A second look shows nothing new in the symbolic world, so that a second
@@ -141,11 +141,11 @@ class _Lines:
         plan = event.plan
         self._gave_up = not event.moves
         chosen = ", ".join(map(str, event.moves)) or "nothing"
-        value = "" if plan is None else f"; value {plan.value:.2f}, {plural(len(plan.actions), 'action')}"
+        value = "" if plan is None else f"; value {plan.value:z.2f}, {plural(len(plan.actions), 'action')}"
         how = "shown" if event.is_taught else "decided"
-        self._line(f"{how}: {chosen}{value} ({event.seconds:.2f} s)")
+        self._line(f"{how}: {chosen}{value} ({event.seconds:z.2f} s)")
         if plan is not None and (loading := plan.seconds.get("compile", 0.0)) > SLOW:
-            self._line(f"(and {loading:.0f} s for {how_loaded()})")
+            self._line(f"(and {loading:z.0f} s for {how_loaded()})")
 
     def _tell(self, text: str) -> None:
         """What the symbolic world is like now, where that is news."""

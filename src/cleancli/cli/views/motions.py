@@ -11,7 +11,7 @@ from cleancli.motion.path import ToolPath
 def way_of(path: ToolPath) -> str:
     """Where a path leads, in centimetres."""
     first, last, fastest = path.waypoints[0], path.waypoints[-1], max(w.speed for w in path.waypoints)
-    ends = [f"({100 * w.x:.1f}, {100 * w.y:.1f})" for w in (first, last)]
+    ends = [f"({100 * w.x:z.1f}, {100 * w.y:z.1f})" for w in (first, last)]
     return f"from {ends[0]} cm to {ends[1]} cm at up to {fastest:g} m/s"
 
 

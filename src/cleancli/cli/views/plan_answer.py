@@ -31,7 +31,7 @@ def echo_plan(result: PlanResult, as_data: bool) -> None:
         _echo_lines(result.beginning())
         _echo_steps(result.explained)
         _echo_lines(result.ending())
-    spent = (f"{_phase(name)} {seconds:.3f}" for name, seconds in result.seconds.items())
+    spent = (f"{_phase(name)} {seconds:z.3f}" for name, seconds in result.seconds.items())
     click.echo("seconds: " + ", ".join(spent))
 
 
@@ -72,14 +72,14 @@ def _row(row: Comparison) -> tuple[str, ...]:
         return (row.planner, f"refused: {row.refusal}", "-", "-", "-", "-", "-")
     first = str(plan.actions[0]) if plan.actions else "nothing worth doing"
     spent = plan.seconds.get("search", 0.0)
-    numbers = (str(len(plan.actions)), f"{plan.value:.4f}", plan.measure, _true(row.true), f"{spent:.3f}")
+    numbers = (str(len(plan.actions)), f"{plan.value:z.4f}", plan.measure, _true(row.true), f"{spent:z.3f}")
     return (row.planner, first, *numbers)
 
 
 def _true(value: float | Sampled | None) -> str:
     if isinstance(value, Sampled):
-        return f"{value.value:.4f} ± {value.error:.4f}"
-    return "-" if value is None else f"{value:.4f}"
+        return f"{value.value:z.4f} ± {value.error:z.4f}"
+    return "-" if value is None else f"{value:z.4f}"
 
 
 def _echo_steps(expected: Expected) -> None:

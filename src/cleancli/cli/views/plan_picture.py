@@ -141,7 +141,7 @@ def _draw_rows(axes: Any, labels: Sequence[str], marginals: Floats, factored: Fl
         for found, style in ((marginals, _FORECAST), (factored, _FACTORED)):
             axes.plot(steps, row + 0.33 - 0.66 * found[:, row], drawstyle="steps-mid", **style)
         axes.axhline(row + 0.5, color="white", linewidth=2)
-        axes.text(steps[-1] + 0.6, row, f"{marginals[-1, row]:.2f}", va="center", fontsize=8)
+        axes.text(steps[-1] + 0.6, row, f"{marginals[-1, row]:z.2f}", va="center", fontsize=8)
     axes.set_yticks(range(len(labels)), labels, fontsize=8)
     axes.set_ylim(len(labels) - 0.5, -0.5)
 
@@ -153,7 +153,7 @@ def _draw_counts(axes: Any, expected: Floats, factored: Floats) -> None:
     axes.set_ylabel("expected\ncount", fontsize=8)
     axes.tick_params(labelsize=8)
     axes.grid(axis="y", linewidth=0.4)
-    axes.text(len(expected) - 0.4, expected[-1], f"{expected[-1]:.2f}", va="center", fontsize=8)
+    axes.text(len(expected) - 0.4, expected[-1], f"{expected[-1]:z.2f}", va="center", fontsize=8)
 
 
 def _figure(width: float, height: float) -> Any:

@@ -51,4 +51,5 @@ def sst(prepared: Prepared, options: Options, own: SstOptions) -> Plan:
     policy = stepwise(task, choose)
     course = policy.course(policy.start)
     times.append(time.perf_counter())
-    return course_plan("sst", task, course, value, times=times, policy=policy)
+    measure = "estimated" if course.actions else "policy"  # what stopping at once is worth is known
+    return course_plan("sst", task, course, value, times=times, measure=measure, policy=policy)
