@@ -5,6 +5,7 @@ from __future__ import annotations
 import itertools
 
 import numpy as np
+import pytest
 
 from cleancli.compiler.fluents import Fluent
 from cleancli.language.diagnostics.diagnostic import Source
@@ -13,6 +14,7 @@ from cleancli.language.model import Assign, Domain, ForAll, Literal, Shift, Term
 from cleancli.learning.drawn_states import drawn_states
 from cleancli.learning.experience import Transition
 from cleancli.learning.structure.arrays import compiled
+from cleancli.learning.structure.induce import revised
 from cleancli.learning.structure.sets import mismatches
 from cleancli.learning.structure.terms import Effect, named
 from support.walks import flickering
@@ -93,3 +95,15 @@ def _wrong(domain: Domain, transition: Transition, outcome: frozenset[Effect]) -
             value = min(max(before + shifts[fluent], BOUNDS[0]), BOUNDS[1])
         wrong += transition.after.get(fluent, False) != value
     return wrong + len(set(transition.changed) - {fluent for fluent, _ in said})
+
+
+@pytest.mark.parametrize(("effects", "rules"), [(50, 1), (51, 0)])
+def test_an_outcome_has_fifty_effects_at_most(effects: int, rules: int) -> None:
+    names = [f"p{number}" for number in range(effects)]
+    declared = f"predicates {{ {'()  '.join(names)}() }} actions {{ press() }}"
+    text = f"domain much {{ {declared} reward {{ goal }} }}"
+    domain = load_domain(Source("much.nid", text))
+    everything: dict[Fluent, Value] = {(name, ()): True for name in names}
+    transitions = [Transition("press", (), (), {}, everything)] * 8
+    found = revised(domain, compiled(domain, transitions), ["press"]).domain
+    assert len(found.rules) == rules

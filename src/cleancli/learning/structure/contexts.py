@@ -214,6 +214,11 @@ _KINDS, _UNLIKELY = 4, 3
 """How many kinds of questions there are, and which are the unlikely ones."""
 
 
+def none_of(arrays: Arrays) -> Questions:
+    """No question, where all that happens is noise."""
+    return Questions((), {}, np.zeros(0, dtype=np.int64), np.zeros((arrays.size, 0), dtype=bool))
+
+
 def asked_of(arrays: Arrays, known: Named, plain_alone: bool = False) -> Questions:
     """All questions whose answers differ in some transitions, each kind of answers once: the plain ones
     first, and no others if `plain_alone`."""

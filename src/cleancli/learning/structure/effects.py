@@ -12,6 +12,7 @@ import itertools
 from collections import Counter
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, replace
+from typing import NamedTuple
 
 import numpy as np
 
@@ -195,33 +196,33 @@ class _Candidates:
 @dataclass(frozen=True, slots=True, eq=False)
 class _Said:
     """What may be said of a variable that ranges over all places: where these are of its type, (n, N), and
-    all literals about it with the places that satisfy them."""
+    all literals about it with the places that satisfy each, (literals, n, N)."""
 
     variable: Variable
     typed: Bools
-    literals: Sequence[tuple[Literal, Bools]]
+    literals: Sequence[Literal]
+    fits: Bools
 
 
 def _said_of(arrays: Arrays, known: Named, variable: Variable) -> _Said:
     """What may be said of a variable where all that a literal names is defined."""
     index, typed = ranging(arrays, index_of_terms(known), (variable,))
-    told: list[tuple[Literal, Bools]] = []
-    for literal in literals(arrays.domain, (*known.columns, variable), variable):
-        is_defined = defined(literal, known)
-        if is_defined.any():
-            fits = np.broadcast_to(typed & holds(arrays, (literal,), index), typed.shape)
-            told.append((literal, fits & is_defined[:, None]))
-    return _Said(variable, typed, told)
+    every = literals(arrays.domain, (*known.columns, variable), variable)
+    listed = [each for each in every if defined(each, known).any()]
+    fits = np.zeros((len(listed), *typed.shape), dtype=bool)
+    for number, literal in enumerate(listed):
+        fits[number] = typed & holds(arrays, (literal,), index) & defined(literal, known)[:, None]
+    return _Said(variable, typed, listed, fits)
 
 
 def _candidates(arrays: Arrays, known: Named, said: _Said, sought: _Open) -> _Candidates:
     """The parts that hold of most of the objects that are sought, and the opposites of such."""
     rows, places, typed = sought.rows, sought.places, said.typed
-    counted = [(int(fits[rows, places].sum()), literal, fits) for literal, fits in said.literals]
-    counted.sort(key=lambda each: -each[0])
-    listed = counted[:MOST_PARTS]
+    counts = said.fits[:, rows, places].sum(axis=1)
+    most = np.argsort(-counts, kind="stable")[:MOST_PARTS].tolist()
+    listed = [(said.literals[each], said.fits[each]) for each in most]
     denied: list[_Told] = []
-    for _, literal, fits in listed:
+    for literal, fits in listed:
         if (typed & ~fits)[rows, places].any():
             without = typed & ~fits & defined(literal, known)[:, None]
             denied.append((negated(arrays.domain, literal), without))
@@ -229,7 +230,7 @@ def _candidates(arrays: Arrays, known: Named, said: _Said, sought: _Open) -> _Ca
     for equality in equalities(arrays.domain, (*known.columns, said.variable), said.variable):
         same = np.broadcast_to(holds(arrays, (equality,), index), typed.shape)
         denied.append((replace(equality, equal=False), typed & ~same))
-    return _Candidates([(literal, fits) for count, literal, fits in listed if count > 0], denied)
+    return _Candidates([told for each, told in zip(most, listed, strict=True) if counts[each] > 0], denied)
 
 
 def _conditions(arrays: Arrays, known: Named, said: _Said, sought: _Open) -> Iterator[tuple[Parts, Bools]]:
@@ -245,12 +246,13 @@ def _conditions(arrays: Arrays, known: Named, said: _Said, sought: _Open) -> Ite
             yield (part,), fits
     both, apart = (_whole(sought, positive, others) for others in (positive, denied))
     for number, (one, fits) in enumerate(positive):
-        for place, (other, more) in enumerate(positive[number + 1 :], number + 1):
-            if _may_stand_beside(one, other) and sought.enough(both[number][place]):
-                yield (one, other), fits & more
-        for place, (other, without) in enumerate(denied):
-            if _may_stand_beside(one, other) and sought.enough(apart[number][place]):
-                yield (one, other), fits & without
+        for others, told in ((positive, both[number]), (denied, apart[number])):
+            if not sought.enough(max(told, default=0.0)):
+                continue
+            for place in range(number + 1 if others is positive else 0, len(others)):
+                other, more = others[place]
+                if sought.enough(told[place]) and _may_stand_beside(one, other):
+                    yield (one, other), fits & more
     best = sought.best()
     if best is not None:
         yield from among.longer(*best)
@@ -266,7 +268,7 @@ def _may_stand_beside(one: Literal | Equality, other: Literal | Equality) -> boo
 def _whole(sought: _Open, one: Sequence[_Told], other: Sequence[_Told]) -> list[list[float]]:
     """Of how many units two conditions together tell wholly, for each pair."""
     if not one or not other:
-        return []
+        return [[] for _ in one]
     first, second = (
         sought.whole(np.array([each[1][sought.rows, sought.places] for each in parts])).astype(np.float32)
         for parts in (one, other)
@@ -286,8 +288,9 @@ def with_foralls(action: ActionArrays, known: Named, changes: Sequence[Change]) 
     def said_of(type_name: str) -> _Said:
         return _said_of(action.arrays, known, fresh(replace(known, foralls=()), type_name))
 
+    open_changes = list(_open_changes(action.arrays, known, changes))
     for _ in range(2 * MOST_REFERENCES):
-        best = _forall(action.arrays, known, changes, said_of)
+        best = _forall(action.arrays, known, open_changes, said_of)
         if best is None:
             break
         known = replace(known, foralls=(*known.foralls, best))
@@ -313,45 +316,50 @@ def _alike(arrays: Arrays, known: Named, forall: ForAll) -> ForAll:
 
 
 def _forall(
-    arrays: Arrays, known: Named, changes: Sequence[Change], said_of: Callable[[str], _Said]
+    arrays: Arrays, known: Named, open_changes: Sequence[_OpenChange], said_of: Callable[[str], _Said]
 ) -> ForAll | None:
     """The `forall` that tells wholly of the changes of its kind in most transitions."""
-    patterns = _open_patterns(arrays, known, changes)
+    explained = _explained(arrays, known)
+    patterns: dict[_Pattern, list[_OpenChange]] = {}
+    for each in open_changes:
+        if each.change not in explained:
+            patterns.setdefault(each.pattern, []).append(each)
+    listed = sorted(patterns.items(), key=lambda each: (-len(each[1]), each[0][0].name, str(each[0][1])))
     found: tuple[tuple[int, int], ForAll] | None = None
     guards = {each.condition for each in known.foralls}
-    for (symbol, terms, type_name), found_changes in patterns:
-        for value in sorted({new for _, _, new in found_changes}):
-            holes = [(row, place) for row, place, new in found_changes if new == value]
-            best = _guard(arrays, known, symbol, terms, said_of(type_name), value, holes, guards)
+    for (symbol, terms, type_name), changes in listed[:MOST_PATTERNS]:
+        for value in sorted({each.change.new for each in changes}):
+            holes = [(each.change.row, each.place) for each in changes if each.change.new == value]
+            to_beat = found[0][0] if found else 0
+            best = _guard(arrays, known, symbol, terms, said_of(type_name), value, holes, guards, to_beat)
             if best is not None and (found is None or best[0] > found[0]):
                 found = best
     return None if found is None else found[1]
 
 
 _Pattern = tuple[Symbol, tuple[Term | None, ...], str]
+"""A symbol with terms of which one, None, is an object that nothing names, and the type of that."""
 
 
-def _open_patterns(
-    arrays: Arrays, known: Named, changes: Sequence[Change]
-) -> list[tuple[_Pattern, list[tuple[int, int, int]]]]:
-    """Symbols with terms of which one, None, is an object that nothing names: the rows, its places and the
-    new codes of what changed so and is not told yet."""
+class _OpenChange(NamedTuple):
+    """A change of an object at a place that nothing names, and of which kind it is."""
+
+    pattern: _Pattern
+    change: Change
+    place: int
+
+
+def _open_changes(arrays: Arrays, known: Named, changes: Sequence[Change]) -> Iterator[_OpenChange]:
+    """The changes of which all objects but one are named."""
     symbols = {symbol.name: symbol for symbol in arrays.domain.symbols}
     at = _terms_at(known)
-    explained = _explained(arrays, known)
-    patterns: dict[_Pattern, list[tuple[int, int, int]]] = {}
     for change in changes:
         terms = tuple(at[change.row].get(place) for place in change.places)
         symbol = symbols[change.symbol]
         named = [(t, p) for t, p in zip(terms, symbol.parameters, strict=True) if t is not None]
-        typed = all(arrays.domain.is_a(term.type, parameter.type) for term, parameter in named)
-        if terms.count(None) != 1 or change in explained or not typed:
-            continue
-        hole = terms.index(None)
-        key = symbol, terms, symbol.parameters[hole].type
-        patterns.setdefault(key, []).append((change.row, change.places[hole], change.new))
-    listed = sorted(patterns.items(), key=lambda each: (-len(each[1]), each[0][0].name, str(each[0][1])))
-    return listed[:MOST_PATTERNS]
+        if terms.count(None) == 1 and all(arrays.domain.is_a(t.type, p.type) for t, p in named):
+            hole = terms.index(None)
+            yield _OpenChange((symbol, terms, symbol.parameters[hole].type), change, change.places[hole])
 
 
 def _explained(arrays: Arrays, known: Named) -> set[Change]:
@@ -374,9 +382,10 @@ def _guard(
     value: int,
     holes: Sequence[tuple[int, int]],
     guards: set[Parts],
+    to_beat: int,
 ) -> tuple[tuple[int, int], ForAll] | None:
-    """The best guard of `forall` for a kind of change, with how many transitions it tells of. None asks that
-    the change is still to be made, which says nothing."""
+    """The best guard of `forall` for a kind of change, with how many transitions it tells of: if that may be
+    as many as are `to_beat`. None asks that the change is still to be made, which says nothing."""
     variable = said.variable
     effect = Assign(symbol.name, tuple(variable if t is None else t for t in terms), symbol.values[value])
     every = sets(arrays, known, ForAll((variable,), (), (effect,)))
@@ -394,7 +403,7 @@ def _guard(
         return found
 
     def enough(satisfied: float) -> bool:
-        return satisfied > least if best is None else satisfied >= best[0][0]
+        return satisfied > least and satisfied >= max(to_beat, best[0][0] if best else 0)
 
     sought = _Open(rows, places, whole, enough, lambda: best and best[1:])
     all_of_them: tuple[Parts, Bools] = (), np.ones(would.shape, dtype=bool)

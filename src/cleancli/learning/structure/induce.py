@@ -17,7 +17,7 @@ from cleancli.language.model import Action, Domain, Outcome, Rule
 from cleancli.language.printing.printer import print_domain
 from cleancli.learning.edits import is_written
 from cleancli.learning.structure.arrays import ActionArrays
-from cleancli.learning.structure.contexts import asked_of, tree
+from cleancli.learning.structure.contexts import asked_of, none_of, tree
 from cleancli.learning.structure.effects import changes_of, with_foralls, with_references
 from cleancli.learning.structure.kept import left_by, outside
 from cleancli.learning.structure.outcomes import needed, possible
@@ -97,7 +97,7 @@ def _described(
     """What the leaves of the best contexts do, and the length of the description in nats."""
     everything = possible(given.arrays, known, changes)
     results = needed(everything)
-    questions = asked_of(given.arrays, known, way.plain)
+    questions = asked_of(given.arrays, known, way.plain) if any(results.outcomes) else none_of(given.arrays)
     if way.search == "pasula":
         grown = searched(results, questions)
     else:

@@ -24,9 +24,14 @@ from cleancli.learning.structure.terms import Named
 
 MOST_OUTCOMES = 30
 """Different results of an action that are looked at, the most frequent ones; chosen."""
+MOST_EFFECTS = 50
+"""Effects of a result above which it is no outcome: to say that many costs more than noise does which tells
+of what happened once fact by fact. Chosen."""
 FLICKER = 0.002
 """The share of facts that no outcome explains from which on these are taken to flicker, each by itself, and
 not for noise; chosen."""
+MOST_FLICKER = 0.5
+"""The chance that a fact is seen wrongly by which seeing it says nothing; no more is believed."""
 MOST_WRONG = 4
 """Facts about which an outcome is wrong beside the best one, above which it counts as so much; chosen."""
 MOST_JOINED = 8
@@ -56,13 +61,14 @@ def possible(arrays: Arrays, known: Named, changes: Sequence[Change]) -> Possibl
     """All outcomes that may have made a transition of an action."""
     raw = raw_outcomes(arrays, known, changes)
     raw.setdefault(frozenset(), 0)
-    listed = sorted(raw, key=lambda each: (-raw[each], len(each), sorted(map(str, each))))[:MOST_OUTCOMES]
+    short = [each for each in raw if len(each) <= MOST_EFFECTS]
+    listed = sorted(short, key=lambda each: (-raw[each], len(each), sorted(map(str, each))))[:MOST_OUTCOMES]
     joined = [one | other for one, other in itertools.combinations(listed[:MOST_JOINED], 2)]
     listed += [each for each in dict.fromkeys(joined) if each not in raw]
     wrong = mismatches(arrays, known, listed)
     noise = (1 / RESULTS_OF_NOISE) ** np.maximum(arrays.changed, 1.0)
     least = wrong.min(axis=1)
-    flicker = float(least.sum()) / max(arrays.facts, 1)
+    flicker = min(float(least.sum()) / max(arrays.facts, 1), MOST_FLICKER)
     if flicker < FLICKER:
         likelihoods = np.column_stack([wrong == 0, noise])
     else:
