@@ -8,7 +8,7 @@ rule has one and nothing else asks for the opposite.
 from __future__ import annotations
 
 import itertools
-from collections.abc import Iterator, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from fractions import Fraction
 from typing import TypeVar
@@ -40,7 +40,7 @@ from cleancli.learning.structure.contexts import Asked, Leaf, Question
 from cleancli.learning.structure.literals import meet, negated
 from cleancli.learning.structure.mixture import log_likelihoods
 from cleancli.learning.structure.outcomes import Possible, by_default, chosen
-from cleancli.learning.structure.terms import Effect, Named, needed_by, terms_of
+from cleancli.learning.structure.terms import Effect, Named, used
 
 LEAST, PER_EFFECT = 1.0, 0.1
 """Nats that an outcome of a rule must save, and more for each effect, so that what changes nothing is
@@ -120,23 +120,6 @@ def _simplest(
         outcome = everything.outcomes[next(as_much)]
         found.append(possible.outcomes[number] if outcome in found else outcome)
     return tuple(found)
-
-
-def used(known: Named, outcomes: Sequence[frozenset[Effect]]) -> tuple[Reference, ...]:
-    """The references that outcomes use, and those that these rest on."""
-    terms = {term for outcome in outcomes for effect in outcome for term in _terms(effect)}
-    used = {r for each in known.references if terms & set(each.variables) for r in needed_by(known, each)}
-    return tuple(each for each in known.references if each in used)
-
-
-def _terms(effect: Effect) -> Iterator[Term]:
-    if isinstance(effect, ForAll):
-        for part in effect.condition:
-            yield from terms_of(part)
-        for each in effect.effects:
-            yield from each.terms
-    else:
-        yield from effect.terms
 
 
 def rules_of(

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -37,6 +37,23 @@ def needed_by(known: Named, reference: Reference) -> tuple[Reference, ...]:
 def terms_of(part: Literal | Equality) -> tuple[Term, ...]:
     """The terms of a part of a condition."""
     return part.terms if isinstance(part, Literal) else (part.left, part.right)
+
+
+def used(known: Named, outcomes: Sequence[frozenset[Effect]]) -> tuple[Reference, ...]:
+    """The references that outcomes use, and those that these rest on."""
+    terms = {term for outcome in outcomes for effect in outcome for term in _terms(effect)}
+    used = {r for each in known.references if terms & set(each.variables) for r in needed_by(known, each)}
+    return tuple(each for each in known.references if each in used)
+
+
+def _terms(effect: Effect) -> Iterator[Term]:
+    if isinstance(effect, ForAll):
+        for part in effect.condition:
+            yield from terms_of(part)
+        for each in effect.effects:
+            yield from each.terms
+    else:
+        yield from effect.terms
 
 
 def named(action: ActionArrays, parameters: Sequence[Variable]) -> Named:
