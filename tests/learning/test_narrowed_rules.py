@@ -1,4 +1,4 @@
-"""Rules as narrow as their failures ask for (docs/learning.md, Where it goes)."""
+"""Rules as narrow as their failures ask for (docs/learning.md, A teacher)."""
 
 from __future__ import annotations
 

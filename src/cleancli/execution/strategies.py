@@ -14,9 +14,9 @@ from cleancli.compiler.task import Objective, lasting, without
 from cleancli.execution.baselines import gather_all, nearest_first, wipe_all
 from cleancli.execution.episode_state import Move
 from cleancli.execution.setup import Decision, DecisionContext, EpisodeOptions, within
-from cleancli.language.model import Domain
 from cleancli.learning.exploration.narrowed import narrowed
 from cleancli.learning.exploration.seeking import next_try
+from cleancli.learning.exploration.worth import Try, least_worth
 from cleancli.planning.compiled_task import prepare
 from cleancli.planning.objective import aimed
 from cleancli.planning.plan import Options
@@ -57,32 +57,38 @@ def _plan(now: DecisionContext, options: EpisodeOptions, planner: str, commit: i
 
 def _explore(now: DecisionContext, options: EpisodeOptions) -> Decision:
     """Try what is not known, or go where it can be tried; towards the goal where all on the way is known.
-    Where a teacher can be asked it is the other way round: towards the goal, or else try where that is likely
-    to show more than it costs to ask."""
+    Where a teacher can be asked it is the other way round."""
     if options.is_taught:
-        planned = _plan(replace(now, domain=_surely(now)), options, DEFAULT, 1)
-        return planned if planned.moves else _try(now, options, min(options.known, UNASKED)) or planned
-    return _try(now, options, options.known) or _plan(now, options, DEFAULT, 1)
+        return _learn_of_teacher(now, options)
+    chosen = _next_try(now, options, options.known)
+    return _plan(now, options, DEFAULT, 1) if chosen is None else _carry_out(chosen)
 
 
-def _surely(now: DecisionContext) -> Domain:
-    """What the robot can do, by rules as narrow as experience asks for."""
+def _learn_of_teacher(now: DecisionContext, options: EpisodeOptions) -> Decision:
+    """Towards the goal by narrowed rules, or else try what has changed something before, where that is likely
+    to show more than it costs to ask; no move where it is not."""
     assert now.explored is not None, "a teacher is asked where whole rules are learned"
-    return within(now.domain, narrowed(now.explored))
+    seen = now.explored.actions
+    now = replace(now, domain=within(now.domain, narrowed(now.explored)))
+    planned = _plan(now, options, DEFAULT, 1)
+    if planned.moves:
+        return planned
+    known = min(options.known, UNASKED)
+    useful = tuple(a for a in now.domain.actions if a.name in seen and seen[a.name].changed.any())
+    chosen = _next_try(replace(now, domain=replace(now.domain, actions=useful)), options, known)
+    return planned if chosen is None or chosen.worth < least_worth(known) else _carry_out(chosen)
 
 
-def _try(now: DecisionContext, options: EpisodeOptions, known: int) -> Decision | None:
-    """Try what is known by fewer examples, or go where that can be tried; with a teacher no action that has
-    changed nothing yet. None where there is no such try."""
+def _next_try(now: DecisionContext, options: EpisodeOptions, known: int) -> Try | None:
+    """What to try of that which is known by fewer examples, or how to go where that can be tried."""
     assert now.explored is not None, "asking for it asks for learning whole rules"
-    domain = now.domain
-    if options.is_taught:
-        useful = {name for name, each in now.explored.actions.items() if each.changed.any()}
-        domain = replace(domain, actions=tuple(each for each in domain.actions if each.name in useful))
-    feasible = replace(now.explored, domain=domain)
+    feasible = replace(now.explored, domain=now.domain)
     planner, asked = PLANNERS[options.planner or DEFAULT], Options(options.samples, now.seed)
-    chosen = next_try(feasible, now.problem, known, planner, asked, now.excluded)
-    return None if chosen is None else Decision((Move(chosen.action, chosen.objects),))
+    return next_try(feasible, now.problem, known, planner, asked, now.excluded)
+
+
+def _carry_out(chosen: Try) -> Decision:
+    return Decision((Move(chosen.action, chosen.objects),))
 
 
 def _planning(commit: int | None, planner: str = DEFAULT) -> Strategy:

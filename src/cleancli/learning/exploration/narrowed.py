@@ -1,4 +1,4 @@
-"""Rules as narrow as their failures ask for, to plan by while they are being learned.
+"""Rules as narrow as their failures ask for, to plan by where a teacher can be asked.
 
 Where few transitions were changed by a rule, a condition saves less than `learning.structure` has it cost, so
 that the rule foretells a little of everything and nothing surely. Plans then try in vain, in one state after

@@ -33,7 +33,6 @@ from cleancli.language.model import (
     Symbol,
 )
 from cleancli.learning.exploration.explored import UNCOVERED, Explored, ExploredAction
-from cleancli.learning.exploration.narrowed import narrowed
 from cleancli.learning.exploration.parts import signed
 from cleancli.learning.exploration.worth import UNCHANGED, Try, by_rule, least_worth, near, tries
 from cleancli.planning.compiled_task import prepare
@@ -84,8 +83,8 @@ def next_try(
     worth = 0.0 if best is None or best.worth < least else best.worth
     hopes = [each for each in hopes_of(found) if each.worth >= least and each.worth * DISCOUNT > worth]
     hopes.sort(key=lambda each: -each.worth)
-    on_the_way = _planned(narrowed(found), problem, hopes[:MOST_HOPES], planner, asked, excluded)
-    if on_the_way is not None and on_the_way.worth >= max(worth, least):
+    on_the_way = _planned(found.domain, problem, hopes[:MOST_HOPES], planner, asked, excluded)
+    if on_the_way is not None and on_the_way.worth >= worth:
         return on_the_way
     return best if worth else None
 
