@@ -22,7 +22,7 @@ class Naming:
 
     def __init__(self, sources: Mapping[str, Source]) -> None:
         self._sources = sources
-        self._taken = set(RESERVED)
+        self._taken: set[str] = set()
         self._given: dict[str, str] = {}
 
     def of(self, name: Name, initial: str) -> str:
@@ -51,8 +51,10 @@ class Naming:
 
 
 def readable(name: str, initial: str) -> str:
-    """The name in signs that a .nid file's names have."""
+    """The name in signs that a .nid file's names have, and no word of the language."""
     changed = name.removeprefix("?")
     if not (changed.isascii() and changed.isidentifier()):
         changed = _SIGN.sub("_", changed)
-    return changed if changed and not changed[0].isdigit() else f"{initial}{changed}"
+    if not changed or changed[0].isdigit():
+        return f"{initial}{changed}"
+    return f"{changed}_" if changed in RESERVED else changed
