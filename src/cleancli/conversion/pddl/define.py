@@ -65,6 +65,8 @@ class Definitions:
                 return tuple(literal for part in parts for literal in self.literals(part))
             case Either(parts):
                 return (self._not(both(map(negated, parts))),)
+            case Quantified(False, _, Either()):  # that none is so reads better than that all are otherwise
+                return (self._not(negated(formula)),)
             case Quantified():
                 return (self.named(formula),)
 
@@ -90,11 +92,11 @@ class Definitions:
         terms = _terms(formula)
         key = _canonical(formula, {term: Variable(f"{n}", term.type) for n, term in enumerate(terms)})
         if key not in self._names:
-            said = says(formula)
-            short = len(said) <= _LONGEST_NAME
-            name = self._symbols.fresh(said if short else f"condition_{len(self._made) + 1}")
             parameters = _parameters(formula, terms)
             inner = _with_names(formula, parameters)
+            said = says(inner)
+            short = len(said) <= _LONGEST_NAME
+            name = self._symbols.fresh(said if short else f"condition_{len(self._made) + 1}")
             self._names[key] = name
             self._made[name] = DerivedPredicate(name, tuple(parameters.values()), self.condition(inner))
         return literal(self._names[key], terms)
@@ -112,14 +114,15 @@ def _terms(formula: Formula) -> tuple[Term, ...]:
 
 
 def _parameters(formula: Formula, terms: tuple[Term, ...]) -> dict[Term, Variable]:
-    """The terms as variables: for an object one that no variable of the formula has the name of."""
+    """The terms as variables: for an object one that is called by its type, since it is to stand for others,
+    and that no variable of the formula has the name of."""
     taken = [term for term in _mentioned(formula) if isinstance(term, Variable)]
     found: dict[Term, Variable] = {}
     for term in terms:
         if isinstance(term, Variable):
             found[term] = term
         else:
-            found[term] = apart(Variable(term.name, term.type), taken)
+            found[term] = apart(Variable(term.type, term.type), taken)
             taken.append(found[term])
     return found
 
