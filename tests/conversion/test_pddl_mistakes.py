@@ -149,6 +149,15 @@ MISTAKES = {
         "before the first action",
     ),
     "never": ("(forall (?a - area) (not (dirt ?a)))", "(= a1 a2)", "E917", (14, 10), "never hold"),
+    "preference": ("(dirt ?a)\n", "(preference p (dirt ?a))\n", "E917", (8, 19), "preferences"),
+    "course of a plan": (
+        "(forall (?a - area) (not (dirt ?a)))",
+        "(always (dirt a1))",
+        "E917",
+        (14, 10),
+        "course of a plan",
+    ),
+    "timed literal": ("(dirt a2))", "(at 5 (dirt a2)))", "E917", (13, 20), "at a time of its own"),
     "derived": ("  (:functions", "  (:derived (p) (and)) (:functions", "E917", (5, 4), "derived predicates"),
 }
 
@@ -283,6 +292,16 @@ def test_mistakes_are_told_at_once() -> None:
     with pytest.raises(Refused) as caught:
         converted(text)
     assert [d.code for d in caught.value.diagnostics] == ["E916"] * 3
+
+
+def test_what_cannot_be_said_hides_no_mistake() -> None:
+    """What is left out for having no word is told beside all mistakes of names."""
+    text = TEXT.replace("(dirt ?a)\n", "(preference p (dirt ?a))\n").replace("(dirt a2)", "(dirt a3)")
+    text = text.replace("(forall (?a - area) (not (dirt ?a)))", "(sometime (in a1 bin))")
+    with pytest.raises(Refused) as refused:
+        converted(text)
+    told = [(each.code, place(each, text)) for each in refused.value.diagnostics]
+    assert told == [("E917", (8, 19)), ("E916", (13, 26)), ("E917", (14, 10))]
 
 
 @pytest.mark.parametrize(

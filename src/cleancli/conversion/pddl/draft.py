@@ -19,6 +19,10 @@ from cleancli.language.diagnostics.diagnostic import Level, Span
 from cleancli.language.diagnostics.sink import Findings
 from cleancli.language.model import Domain, Horizon, Problem
 
+_HIDE_NOTHING = frozenset({"E917", "E918"})
+"""Mistakes of reading from which no other follows: what cannot be said is left out, and probabilities are in
+bounds by now. After others something is missing that was meant to be there."""
+
 
 @dataclass(frozen=True, slots=True)
 class Wishes:
@@ -59,8 +63,8 @@ def draft_of(
     texts that they were read from. Raises Refused with every mistake (E915 to E918)."""
     texts = {source.path: source for source in findings.sources}
     _refuse_misfits(domains, problems, findings)
-    if any(each.level is Level.ERROR and each.code != "E918" for each in findings.sorted):
-        findings.refuse_errors()  # what could not be read is missing; odd probabilities are in bounds by now
+    if any(each.level is Level.ERROR and each.code not in _HIDE_NOTHING for each in findings.sorted):
+        findings.refuse_errors()
     domain = domains[0]
     words = Words(domain, problems, findings, texts, is_open=wishes.is_open and not problems)
     metric = metric_of(domain, problems, findings)

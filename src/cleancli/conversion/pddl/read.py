@@ -14,6 +14,7 @@ from cleancli.conversion.pddl.syntax import (
     AllNode,
     AndNode,
     ChanceNode,
+    ConditionNode,
     DomainNode,
     FactsNode,
     MetricNode,
@@ -199,12 +200,21 @@ def _problem(name: Group, sections: list[Group], reader: Reader) -> ProblemNode:
         reader.objects(of(":objects")),
         facts,
         values,
-        None if goal is None else reader.condition(goal),
+        None if goal is None else _goal(goal, reader),
         _metric(of(":metric"), reader),
         None if rewarded is None else reader.number(rewarded, "a reward"),
         None if surely is None else reader.number(surely, "a probability"),
         span=reader.span(name),
     )
+
+
+def _goal(node: Node, reader: Reader) -> ConditionNode:
+    """The goal; one that cannot be read is always true, so that the rest of the problem is looked at."""
+    try:
+        return reader.condition(node)
+    except Unreadable as wrong:
+        reader.note(wrong)
+        return AndNode((), span=reader.span(node))
 
 
 def _init(

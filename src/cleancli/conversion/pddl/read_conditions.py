@@ -28,6 +28,17 @@ _NUMBER = re.compile(
     r"-?([0-9]{1,18}(\.[0-9]{0,60})?|\.[0-9]{1,60})(e[-+]?[0-9]{1,2})?|-?[0-9]{1,18}/[0-9]{1,18}"
 )
 _COMPARES = frozenset({"<", "<=", ">", ">="})
+_UNSAID = {
+    "preference": "preferences are",
+    **dict.fromkeys(
+        (
+            "always", "sometime", "within", "at-most-once", "sometime-after", "sometime-before",
+            "always-within", "hold-during", "hold-after",
+        ),
+        "constraints on the course of a plan are",
+    ),
+}  # fmt: skip
+"""What PDDL3 has and is not converted, by the word that it begins with; of objects it is a predicate."""
 
 
 class Unreadable(Exception):
@@ -171,6 +182,8 @@ class Reader:
                 return self._equal(node)
             case _ if head in _COMPARES:
                 return CompareNode(span=span)
+            case _ if head in _UNSAID and any(isinstance(part, Group) for part in parts):
+                raise Unreadable(f"{_UNSAID[head]} not converted", span, code="E917")
         return self.atom(node)
 
     def quantified(self, node: Group) -> tuple[tuple[Typed, ...], Node]:

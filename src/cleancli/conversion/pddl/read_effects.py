@@ -121,6 +121,8 @@ def initial_of(node: Node, reader: Reader) -> SetNode | ChanceNode | ValueNode:
             raise Unreadable("`=` gives a function a value", reader.span(node))
         value = reader.number(node.items[2], "a number")
         return ValueNode(_function(node.items[1], reader), value, span=reader.span(node))
+    if isinstance(node, Group) and node.head == "at" and any(isinstance(part, Group) for part in node.items):
+        raise Unreadable("what happens at a time of its own is not converted", reader.span(node), code="E917")
     found = effect_of(node, reader)
     if isinstance(found, SetNode | ChanceNode):
         return found
