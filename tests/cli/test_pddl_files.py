@@ -194,10 +194,10 @@ def test_goals_that_are_never_reached_are_told(capsys: pytest.CaptureFixture[str
     changed(
         "tidy_two.pddl",
         "(:goal (forall (?a - area) (not (dirt ?a))))",
-        "(:goal (and (full bin) (next-to a1 a2)))",
+        "; (:goal (dirt a2))\n  (:goal (and (full bin) (next-to a1 a2)))",
     )
     assert run(["plan", *FILES]) == 0
-    assert "tidy_two.pddl:5:4: warning[W403]" in capsys.readouterr().err
+    assert "tidy_two.pddl:6:4: warning[W403]" in capsys.readouterr().err
 
 
 @pytest.mark.parametrize("command", ["plan", "simulate"])

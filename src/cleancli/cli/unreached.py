@@ -2,13 +2,13 @@
 
 from __future__ import annotations
 
-import re
 from collections.abc import Sequence
 
 from cleancli.cli.echo import echo_refused
 from cleancli.compiler.short_horizon import ShortHorizon, goal_distance, longer_horizon, short_horizon
 from cleancli.compiler.task import Task
 from cleancli.compiler.unreached import Unreached, unreached
+from cleancli.conversion.pddl.places import place_of_goal
 from cleancli.conversion.pddl.recognized import is_pddl
 from cleancli.language.checking.declarations import sections_of
 from cleancli.language.diagnostics.diagnostic import Diagnostic, Level, Source, Span
@@ -20,7 +20,6 @@ from cleancli.language.parsing.read import parse_as
 from cleancli.language.syntax import Goal, ProblemNode
 
 _MOST_NAMED = 3
-_PDDL_GOAL = re.compile(r"\(\s*(:goal)\b", re.I)
 
 
 def warnings_of(source: Source, domain: Domain, problem: Problem) -> tuple[Diagnostic, ...]:
@@ -48,9 +47,7 @@ def tell_unreached(sources: Sequence[Source], domain: Domain, problem: Problem) 
 
 def _place(source: Source) -> Span:
     if is_pddl(source):
-        found = _PDDL_GOAL.search(source.text)
-        start, end = found.span(1) if found else (0, 0)
-        return Span(source.path, start, end)
+        return place_of_goal(source) or Span(source.path, 0, 0)
     root, _ = parse_as(source, "problem")
     assert isinstance(root, ProblemNode)
     for section in sections_of(root.sections, Goal):

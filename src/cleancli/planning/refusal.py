@@ -2,13 +2,13 @@
 
 from __future__ import annotations
 
-import re
 from collections.abc import Iterator, Sequence
 from contextlib import contextmanager, suppress
 
 from cleancli.compiler.semantics import SupportTooLargeError
 from cleancli.compiler.task import NoDurationError
-from cleancli.language.diagnostics.diagnostic import Diagnostic, Source, Span
+from cleancli.conversion.pddl.places import place_of_problem
+from cleancli.language.diagnostics.diagnostic import Diagnostic, Source
 from cleancli.language.diagnostics.refused import Refused
 from cleancli.language.refactoring.name_index import Kind, Occurrence, names_in
 from cleancli.language.syntax import ActionNode
@@ -16,7 +16,6 @@ from cleancli.planning.plan import PlanningRefused
 
 _HELP = "plan with another planner, such as prada, or for fewer objects"
 _HELP_PDDL = "declare one, `[duration = 8 s]`, in the .nid file that `cleancli convert` writes"
-_PDDL_PROBLEM = re.compile(r"\(\s*define\s*\(\s*problem\s+([^\s()]+)", re.I)
 
 
 @contextmanager
@@ -52,7 +51,8 @@ def _refused(error: ValueError, sources: Sequence[Source]) -> Diagnostic:
     span = next((place.span for place in _declared(sources) if place.meaning.kind in kinds), None)
     help = error.help if isinstance(error, PlanningRefused) else ""
     message = f"this cannot be planned: {error}"
-    return Diagnostic("E903", message, span or _place_in_pddl(sources), help=help or _HELP)
+    span = span or next(filter(None, map(place_of_problem, sources)), None)
+    return Diagnostic("E903", message, span, help=help or _HELP)
 
 
 def _declared(sources: Sequence[Source]) -> Iterator[Occurrence]:
@@ -60,9 +60,3 @@ def _declared(sources: Sequence[Source]) -> Iterator[Occurrence]:
     for source in dict.fromkeys(sources):
         with suppress(Refused):
             yield from (name for name in names_in(source) if name.declares)
-
-
-def _place_in_pddl(sources: Sequence[Source]) -> Span | None:
-    """Where a PPDDL text names its problem."""
-    found = ((source, _PDDL_PROBLEM.search(source.text)) for source in sources)
-    return next((Span(source.path, *match.span(1)) for source, match in found if match), None)
