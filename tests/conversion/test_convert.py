@@ -5,6 +5,7 @@ from __future__ import annotations
 import json
 import random
 import re
+import time
 from fractions import Fraction
 from pathlib import Path
 
@@ -13,6 +14,7 @@ import pytest
 from cleancli.cli.main import run
 from cleancli.compiler.ground import ground
 from cleancli.conversion.convert import Converted, Wishes, convert
+from cleancli.conversion.names import called
 from cleancli.language.diagnostics.diagnostic import Source
 from cleancli.language.diagnostics.refused import Refused
 from cleancli.language.load import load_domain, load_problem, read_source
@@ -191,6 +193,15 @@ def test_a_group_is_called_by_what_its_members_share() -> None:
     assert named("red", "blue") == "red_or_blue(?x - object): red < blue"
     assert named("isNone", "is1") == "is(?x - object): none < v1"
     assert named("bigN", "n_n") == "n_(?x - object): big < n"
+
+
+def test_each_of_many_constants_gets_a_name_of_its_own() -> None:
+    """In time that grows with their number: each of these would be compared with all before it."""
+    started = time.process_time()
+    names = called({"7": "o7_"}, [*map(str, range(20_000)), "o5"])
+    assert time.process_time() - started < 2
+    assert (names["5"], names["7"], names["o5"]) == ("o5", "o7_", "o5_")
+    assert len(set(names.values())) == 20_001
 
 
 # ---- rules

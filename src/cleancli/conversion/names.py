@@ -39,10 +39,7 @@ class Names:
 
 def names_for(library: Library, groups: Iterable[Group]) -> Names:
     """A name for each symbol, constant and group, none twice in its kind."""
-    objects: dict[str, str] = {}
-    for constant in constants_of(library):
-        wanted = f"o{constant}" if constant.isdecimal() else constant
-        objects[constant] = fresh(wanted, objects.values())
+    objects = called({}, constants_of(library))
     symbols: dict[str, str] = {}
     for symbol in library.symbols:
         avoided = REWARD_WORDS if symbol.kind is Kind.COUNT else ()
@@ -52,6 +49,16 @@ def names_for(library: Library, groups: Iterable[Group]) -> Names:
         function = _function(group, (*symbols.values(), *(f.name for f in functions.values())))
         functions |= dict.fromkeys(group.members, function)
     return Names(symbols, objects, functions)
+
+
+def called(given: Mapping[str, str], constants: Iterable[str]) -> dict[str, str]:
+    """What constants are called, beside those that have names; numbers get an `o`."""
+    found, taken = dict(given), set(given.values())
+    for constant in constants:
+        if constant not in found:
+            found[constant] = fresh(f"o{constant}" if constant.isdecimal() else constant, taken)
+            taken.add(found[constant])
+    return found
 
 
 def fresh(name: str, taken: Collection[str]) -> str:

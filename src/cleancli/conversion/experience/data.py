@@ -15,7 +15,7 @@ from cleancli.conversion.convert import Converted
 from cleancli.conversion.experience.chains import Chain
 from cleancli.conversion.experience.vocabulary import Meaning, Vocabulary, meanings_of, values_of
 from cleancli.conversion.export.libprada_names import LibpradaNames
-from cleancli.conversion.names import OBJECT, fresh
+from cleancli.conversion.names import OBJECT, called
 from cleancli.conversion.records import Atom
 from cleancli.conversion.scan import Unreadable, lines_of
 from cleancli.conversion.symbols import facts
@@ -243,12 +243,8 @@ def recorded(source: Source, made: Converted) -> Recorded:
     wrong = [*misfits(dict.fromkeys(atoms for s in steps for atoms in (s.before, s.after)), library)]
     if wrong:
         raise Refused(wrong, [source])
-    names = dict(words.names.objects)
-    for step in steps:
-        for atom in (*step.before, step.action, *step.after):
-            for term in atom.terms:
-                if term not in names:
-                    names[term] = fresh(f"o{term}" if term.isdecimal() else term, names.values())
+    atoms = (atom for step in steps for atom in (*step.before, step.action, *step.after))
+    names = called(words.names.objects, (term for atom in atoms for term in atom.terms))
     words = replace(words, names=replace(words.names, objects=names))
     found: list[Transition] = []
     lacking: set[str] = set()
