@@ -30,7 +30,8 @@ class InstanceWriter:
                 self._texts.name("object", o.name) for o in things if self._texts.root(o.type) == root
             )
             if not names:
-                self._unsaid.note(f"`{problem.name}` has no object of the type `{root}`", None)
+                message = f"`{problem.name}` has no object of the type `{root}`"
+                self._unsaid.note(message, help="add one, or take the type out of the domain")
             objects.append(f"{self._texts.type_of(root)}: {{{names}}};")
         fixed, begun = list(self._fixed(things)), list(self._facts(moving=True))
         facts = f"{instance}_facts"
