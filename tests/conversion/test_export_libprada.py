@@ -257,6 +257,32 @@ def test_what_the_library_cannot_say_is_told_at_once_with_its_place() -> None:
         cleancli.convert(text, to="libprada")
 
 
+def test_a_closure_that_changes_is_no_fact() -> None:
+    """Of few objects it is written out; the facts of more would stay what they are at first."""
+    text = """
+    domain tow {
+      types { block }
+      predicates { on(?a ?b - block)  red(?a - block) }
+      derived { above(?a ?b - block) := closure on  aboves := count ?a ?b - block: above(?a, ?b) }
+      actions { drop(?a ?b - block)  paint(?a ?b - block) }
+      rule drop_it: drop(?a, ?b) { when on(?a, ?b)  then 1: not on(?a, ?b) }
+      rule paint_it: paint(?a, ?b) { when above(?a, ?b), not red(?a)  then 1: red(?a) }
+      reward { decrease(aboves) + goal }
+    }
+    """
+    many = " ".join(f"b{number}" for number in range(17))
+    problem = f"problem p {{ domain = tow objects {{ {many} - block }} init {{ on(b1, b2) }}"
+    problem += " goal { above(b1, b3) } horizon = 2 }"
+    with pytest.raises(Refused, match="libPRADA cannot say this: the closure `above` of more than a few"):
+        cleancli.convert(text, problem, to="libprada")
+    without = text.replace("above(?a, ?b), not red", "not red")
+    made = cleancli.convert(without, problem, to="libprada")
+    assert list(made.texts) == ["rules.dat", "symbols.dat", "state.dat"]
+    assert not any("above" in each for each in made.texts.values())
+    assert "left out: counts that ask for more than literals: aboves" in made.notes
+    assert any("the goal" in note for note in made.notes)
+
+
 def test_a_rule_of_too_many_cases_is_refused() -> None:
     effects = ", ".join(f"if p{n}(?x) => q{n}(?x)" for n in range(7))
     symbols = " ".join(f"p{n}(?x - box) q{n}(?x - box)" for n in range(7))

@@ -200,6 +200,14 @@ class Formulas:
         """Whether a problem has the facts of a closure: it is of a declared predicate that never changes."""
         return closure.closure in self.symbols and closure.closure not in self.changed
 
+    def forget_moving(self) -> list[str]:
+        """Takes those closures out that formulas have spoken of and that no problem has facts of; what each
+        is."""
+        found = [name for name, closure in self.closures.items() if not self.has_facts(closure)]
+        for name in found:
+            del self.closures[name]
+        return [f"the closure `{name}` of more than a few objects" for name in found]
+
     def step(self, closure: DerivedPredicate, first: Term, last: Term) -> Formula:
         """That one step leads from a term to another."""
         assert closure.closure is not None

@@ -116,6 +116,8 @@ class _Writer:
         plain = replace(rule, references=(), variables=(*rule.variables, *referred))
         outcomes = [outcome for outcome in rule.outcomes if outcome.probability]
         done = [(o, changes_of(o, plain, known, self._formulas, self._noise)) for o in outcomes]
+        if moving := self._formulas.forget_moving():
+            raise NotSaid(moving[0])
         instances = Instances(self._formulas, self._problem)
         known = instances.formula(known)
         done = [(outcome, instances.changes(changes)) for outcome, changes in done]
@@ -231,7 +233,7 @@ class _Writer:
             formula = NEVER
         parts = formula.parts if isinstance(formula, Both) else (formula,)
         plain = [part for part in parts if isinstance(part, Literal | Equality)]
-        if len(plain) < len(parts) or not variables:
+        if len(plain) < len(parts) or not variables or self._formulas.forget_moving():
             self._counts_left_out.append(count.name)
             return
         bound = list(variables.items()) if self._names.typed else []
@@ -284,7 +286,7 @@ class _Writer:
         literals = [
             self._atom(p.symbol, p.terms, True in p.values, {}) for p in parts if isinstance(p, Literal)
         ]
-        if not literals or len(literals) < len(parts):
+        if not literals or len(literals) < len(parts) or self._formulas.forget_moving():
             return None
         self._has_reward = True
         kind = _ONE_LITERAL if len(literals) == 1 else _LITERALS

@@ -90,10 +90,8 @@ def _draws(
 
 def refuse_closures(formulas: Formulas, unsaid: Unsaid, place: Span | None, of: str) -> None:
     """Tells of closures that what was said last speaks of, and that are no facts."""
-    for name, closure in list(formulas.closures.items()):
-        if not formulas.has_facts(closure):
-            unsaid.note(f"{of}the closure `{name}` of more than a few objects", place)
-            del formulas.closures[name]
+    for said in formulas.forget_moving():
+        unsaid.note(f"{of}{said}", place)
 
 
 def results_of(ruled: Ruled) -> Iterator[tuple[Draw, int, tuple[Change, ...]]]:
