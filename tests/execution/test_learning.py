@@ -33,18 +33,10 @@ from cleancli.recording.fitting import check_fits
 from cleancli.recording.folder import EXPERIENCE
 from cleancli.recording.journal import Learned as LearnedEntry
 from cleancli.recording.journal import Resumed, Started, read_journal
+from support.doors import PULLED
 
-TEXT = """domain doors {
-  types { door }
-  predicates { open(?d - door) }
-  derived { shut := count ?d - door: not open(?d) }
-  actions { push(?d - door) [duration = 1 s] pull(?d - door) [duration = 1 s] }
-  rule pushed: push(?d) { when not open(?d) then %s: open(?d) rest: nothing }
-  rule pulled: pull(?d) { when not open(?d) then 0.4: open(?d) rest: nothing }
-  reward { decrease(shut) }
-}"""
-TRUE_TEXT = TEXT % "0.05"
-BELIEVED, TRUE = (load_domain(Source("doors.nid", TEXT % chance)) for chance in ("0.8", "0.05"))
+TRUE_TEXT = PULLED % "0.05"
+BELIEVED, TRUE = (load_domain(Source("doors.nid", PULLED % chance)) for chance in ("0.8", "0.05"))
 DOORS = "problem p { domain = doors objects { a b c - door } init { } }"
 PROBLEM = load_problem(Source("p.nid", DOORS), BELIEVED)
 
@@ -108,7 +100,7 @@ def test_what_is_learned_is_worked_out_once_after_each_action(monkeypatch: pytes
 
 def test_a_run_that_goes_on_expects_what_was_learned_before(tmp_path: Path) -> None:
     """Its next action is explained by that, and not by what the text says."""
-    (tmp_path / "own.nid").write_text(TEXT % "0.8", encoding="utf-8")
+    (tmp_path / "own.nid").write_text(PULLED % "0.8", encoding="utf-8")
     seen: list[Event] = []
 
     def stopping(event: Event) -> None:
@@ -163,8 +155,8 @@ def test_a_series_writes_what_learning_offline_from_its_records_does(
     monkeypatch.chdir(tmp_path)
     own, other = tmp_path / "own.nid", tmp_path / "other.nid"
     for path in (own, other):
-        path.write_text(TEXT % "0.8", encoding="utf-8")
-    (tmp_path / "true.nid").write_text(TEXT % "0.05", encoding="utf-8")
+        path.write_text(PULLED % "0.8", encoding="utf-8")
+    (tmp_path / "true.nid").write_text(PULLED % "0.05", encoding="utf-8")
     (tmp_path / "p.nid").write_text(DOORS)
     words = (
         "execute own.nid p.nid --world true.nid --learn --episodes 3 --write --quiet --seed 4 --samples 200"
@@ -193,7 +185,7 @@ def test_the_record_of_each_episode_is_hashed_once(tmp_path: Path, monkeypatch: 
 
     monkeypatch.setattr(series, "whole", counted)
     result = execute_series(
-        TEXT % "1", DOORS, episodes=3, learn=True, seed=1, samples=50, runs=tmp_path, video=False
+        PULLED % "1", DOORS, episodes=3, learn=True, seed=1, samples=50, runs=tmp_path, video=False
     )
     assert hashed == [run.folder / EXPERIENCE for run in result.runs]
     assert [each.transitions for each in result.experience] == [run.actions for run in result.runs]
@@ -209,7 +201,7 @@ def test_episodes_in_which_the_same_happens_all_count(
 ) -> None:
     """And a copy of one of them counts once."""
     monkeypatch.chdir(tmp_path)
-    certain = (TEXT % "1").replace("open(?d) rest: nothing", "open(?d)", 1)
+    certain = (PULLED % "1").replace("open(?d) rest: nothing", "open(?d)", 1)
     (tmp_path / "own.nid").write_text(certain, encoding="utf-8")
     (tmp_path / "p.nid").write_text(DOORS)
     assert (
@@ -228,7 +220,7 @@ def test_episodes_in_which_the_same_happens_all_count(
 
 def test_what_the_text_has_counted_counts_on(tmp_path: Path) -> None:
     path = tmp_path / "own.nid"
-    counted = (TEXT % "0.8").replace("0.8:", "0.1 [prior 0.8, seen 2]:")
+    counted = (PULLED % "0.8").replace("0.8:", "0.1 [prior 0.8, seen 2]:")
     path.write_text(counted.replace("rest: n", "rest [seen 30]: n", 1), encoding="utf-8")
     result = execute(path, DOORS, learn=True, seed=1, runs=tmp_path / "runs", video=False)
     seen = {entry.rule: sum(entry.seen) for record in told(result.folder) for entry in record.rules}

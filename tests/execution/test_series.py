@@ -18,17 +18,8 @@ from cleancli.execution.events import Acted, Ended, Event
 from cleancli.language.diagnostics.diagnostic import Source
 from cleancli.language.diagnostics.refused import Refused
 from cleancli.language.load import load_domain
+from support.doors import PULLED
 
-DOORS = """domain doors {
-  types { door }
-  predicates { open(?d - door) }
-  derived { shut := count ?d - door: not open(?d) }
-  actions { push(?d - door) [duration = 1 s] pull(?d - door) [duration = 1 s] }
-  rule pushed: push(?d) { when not open(?d) then %s: open(?d) rest: nothing }
-  rule pulled: pull(?d) { when not open(?d) then 0.4: open(?d) rest: nothing }
-  reward { decrease(shut) }
-}
-"""
 PROBLEM = "problem p { domain = doors objects { a b - door } init { } }"
 NAME = "p-seed4-series-001"
 ASKED: dict[str, Any] = {
@@ -50,8 +41,8 @@ class Killed(BaseException):
 def own(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
     """A domain to learn into, in the current folder, and beside it the rules that hold."""
     monkeypatch.chdir(tmp_path)
-    Path("own.nid").write_text(DOORS % "0.8", encoding="utf-8")
-    Path("true.nid").write_text(DOORS % "0.4", encoding="utf-8")
+    Path("own.nid").write_text(PULLED % "0.8", encoding="utf-8")
+    Path("true.nid").write_text(PULLED % "0.4", encoding="utf-8")
     Path("p.nid").write_text(PROBLEM, encoding="utf-8")
     return Path("own.nid")
 
@@ -65,8 +56,8 @@ def undisturbed(tmp_path_factory: pytest.TempPathFactory) -> tuple[str, SeriesRe
     """What the series writes that nobody disturbs, and what it comes to."""
     with pytest.MonkeyPatch.context() as patch:
         patch.chdir(tmp_path_factory.mktemp("undisturbed"))
-        Path("own.nid").write_text(DOORS % "0.8", encoding="utf-8")
-        Path("true.nid").write_text(DOORS % "0.4", encoding="utf-8")
+        Path("own.nid").write_text(PULLED % "0.8", encoding="utf-8")
+        Path("true.nid").write_text(PULLED % "0.4", encoding="utf-8")
         Path("p.nid").write_text(PROBLEM, encoding="utf-8")
         result = whole()
         return Path("own.nid").read_text(encoding="utf-8"), result
@@ -280,7 +271,7 @@ SHIPPED = Path(__file__).parents[2]
 @pytest.mark.parametrize(
     ("domain", "world", "problem", "seed", "more"),
     [
-        (DOORS % "0.8", DOORS % "0.4", PROBLEM, 11, {}),
+        (PULLED % "0.8", PULLED % "0.4", PROBLEM, 11, {}),
         (COINS, COINS.replace("away = 0.2", "away = 0.5"), FLIPS, 12, {"estimator": "m", "m": 4}),
         ("cleaning", None, "three_areas", 13, {"match": "strict"}),
     ],

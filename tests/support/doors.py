@@ -38,6 +38,18 @@ JAMMING = DOORS.replace("0.4: nothing", "0.4: jammed(?d), force(?d) += 1").repla
 PAID = DOORS.replace("reward { decrease(shut) }", "reward { 0.5 * opened - 0.2 * cost }")
 """The same, but that open doors pay in each step, and pushing costs."""
 
+PULLED = """domain doors {
+  types { door }
+  predicates { open(?d - door) }
+  derived { shut := count ?d - door: not open(?d) }
+  actions { push(?d - door) [duration = 1 s] pull(?d - door) [duration = 1 s] }
+  rule pushed: push(?d) { when not open(?d) then %s: open(?d) rest: nothing }
+  rule pulled: pull(?d) { when not open(?d) then 0.4: open(?d) rest: nothing }
+  reward { decrease(shut) }
+}
+"""
+"""Doors that may be pulled, too; `%` says how likely a push opens one."""
+
 STORMY = DOORS.replace("oil(?d - door) [", "storm() [duration = 2 s, cost = 3]  oil(?d - door) [").replace(
     "  reward",
     """  rule storm_in: storm() {
