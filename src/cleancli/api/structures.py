@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Collection, Iterator, Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import NamedTuple
@@ -11,20 +11,16 @@ import numpy as np
 
 from cleancli.api.checks import check_least, check_one_of
 from cleancli.api.inputs import GivenDomain, LoadedDomain, load_domain
-from cleancli.api.learned import Change, Rewritten, check_writable
+from cleancli.api.learned import Change, check_writable
 from cleancli.api.lessons import edited, experience_files, is_own_file, knowledge, method_of
-from cleancli.api.plain import plain
-from cleancli.api.tables import TextTable, preformatted, shown
-from cleancli.compiler.lifted import Test, further
-from cleancli.compiler.lifted_state import LiftedRules
+from cleancli.api.structure_notes import about_held_out, notes_of, unasked, unpaid
+from cleancli.api.structure_result import ActionStructure, StructureResult, StructureScore
 from cleancli.language.diagnostics.diagnostic import Diagnostic, Source
-from cleancli.language.diagnostics.plural import plural
 from cleancli.language.diagnostics.refused import Refused
 from cleancli.language.load import checked_domain
 from cleancli.language.model import Domain
 from cleancli.language.printing.formatter import layout
 from cleancli.language.printing.learned_edits import learned_edits
-from cleancli.language.printing.printer import print_condition, print_payments, symbols_of
 from cleancli.language.printing.rule_edits import rule_edits
 from cleancli.learning.edits import edits
 from cleancli.learning.experience import Transition, read_experience
@@ -38,90 +34,6 @@ from cleancli.planning.plan import BadOption
 
 HELD_OUT = 5
 """One transition of so many is held out, to see how well rules from the others foretell it; chosen."""
-
-
-@dataclass(frozen=True, slots=True)
-class StructureScore:
-    """How well rules explain transitions: the logarithm of their likelihood, the literals of the rules, what
-    the two come to, and of transitions that were held out the log-likelihood of one, in the mean (None where
-    none is held out): a proper score, which in expectation is best for rules that say what is so (Gneiting
-    and Raftery 2007, section 3)."""
-
-    rules: int
-    literals: int
-    log_likelihood: float
-    score: float
-    held_out_log_likelihood: float | None
-
-
-@dataclass(frozen=True, slots=True)
-class ActionStructure:
-    """What became of the rules of an action, of which there were so many transitions; those are `kept`, by
-    their names, that explain these as well as rules that were induced."""
-
-    action: str
-    transitions: int
-    kept: tuple[str, ...]
-    before: StructureScore
-    after: StructureScore
-
-
-@dataclass(frozen=True, slots=True)
-class StructureResult(Rewritten):
-    """The rules that were learned: a row for each action, and one of them all together."""
-
-    actions: tuple[ActionStructure, ...]
-    together: ActionStructure
-    changes: tuple[Change, ...]
-    notes: tuple[str, ...]
-    is_writable: bool
-
-    def to_dict(self) -> dict[str, object]:
-        """The same as `cleancli learn --structure --json` prints."""
-        return {
-            "actions": plain(self.actions),
-            "together": plain(self.together),
-            "notes": list(self.notes),
-        }
-
-    def table(self) -> TextTable:
-        """A row for each action, and one of all."""
-        heads = (
-            "action",
-            "transitions",
-            "rules",
-            "literals",
-            "log-likelihood",
-            "score",
-            "held out, each",
-            "",
-        )
-        rows = (
-            (
-                each.action,
-                str(each.transitions),
-                *(
-                    f"{_number(getattr(each.before, name))} -> {_number(getattr(each.after, name))}"
-                    for name in ("rules", "literals", "log_likelihood", "score", "held_out_log_likelihood")
-                ),
-                f"{len(each.kept)} kept" if each.kept else "",
-            )
-            for each in (*self.actions, self.together)
-        )
-        return TextTable(heads, tuple(rows), (0, 7))
-
-    def __str__(self) -> str:
-        return "\n".join(part for part in (self.diff, str(self.table()), *self.notes) if part)
-
-    def _repr_html_(self) -> str:
-        told = "".join(f"<p>{shown(note)}</p>" for note in self.notes)
-        return f"<div>{self.table().html()}{told}{preformatted(self.diff)}</div>"
-
-
-def _number(value: float | None) -> str:
-    if value is None:
-        return "-"
-    return str(value) if isinstance(value, int) else f"{value:z.1f}" if abs(value) >= 1 else f"{value:z.3f}"
 
 
 def learn_structure(
@@ -207,12 +119,12 @@ def structures(
         _row("all", list(found.after), start, found, scores),
         tuple(Change(source.path, source.text, texts[source.path].text) for source in domain.sources),
         (
-            *_about_held_out(scores),
+            *about_held_out(together(list(scores.held_after.values())).transitions),
             *passed_over,
             *notes,
-            *_notes(names, found, wanted),
-            *_unasked(model, dropped, transitions),
-            *_unpaid(model, dropped),
+            *notes_of(names, found, wanted.vocabulary),
+            *unasked(model, dropped, transitions),
+            *unpaid(model, dropped),
         ),
         is_writable,
     )
@@ -277,17 +189,6 @@ def _held_out(
     return before, after
 
 
-def _about_held_out(scores: _Scores) -> Iterator[str]:
-    """What the column says of which nobody can guess it."""
-    number = together(list(scores.held_after.values())).transitions
-    if number:
-        yield (
-            f"held out, each: the mean log-likelihood of {plural(number, 'transition')} that were held out,"
-            " by the rules as they were, and by rules that were learned from the others; nearer to 0 is"
-            " better"
-        )
-
-
 def _row(title: str, names: Sequence[str], start: Domain, found: Revised, scores: _Scores) -> ActionStructure:
     before, after, held_before, held_after = (
         together([each[name] for name in names if name in each]) for each in scores
@@ -307,67 +208,9 @@ def _score(score: Score, rules: int, held_out: Score) -> StructureScore:
     return StructureScore(rules, score.literals, round(score.log_likelihood, 2), round(score.score, 2), each)
 
 
-def _unasked(model: Domain, dropped: Collection[str], transitions: Sequence[Transition]) -> Iterator[str]:
-    """The conditions of dropped rules that held before all transitions of their action, so that the search
-    could not see that they matter."""
-    rules, symbols = LiftedRules(model), symbols_of(model)
-    asked: dict[str, dict[str, Test]] = {each.action: {} for each in transitions}
-    for rule in model.rules:
-        if rule.name in dropped and rule.action in asked:
-            for part in rule.condition:
-                test = rules.meaning.test((part,), further({}, rule.variables))
-                asked[rule.action][print_condition((part,), symbols)] = test
-    for each in transitions:
-        state = rules.state(each.objects, each.before)
-        held = asked[each.action].items()
-        asked[each.action] = {text: test for text, test in held if test(state, each.arguments)}
-    for name in (action.name for action in model.actions if asked.get(action.name)):
-        parts = ", ".join(f"`{text}`" for text in asked[name])
-        yield (
-            f"{name}: its old rules ask for {parts}, and the new ones do not, because it held before every"
-            " transition: add experience in which it does not, or write it into them"
-        )
-
-
-def _unpaid(model: Domain, dropped: Collection[str]) -> Iterator[str]:
-    """What outcomes of dropped rules paid: transitions do not say what was paid, so new rules pay nothing."""
-    for action in model.actions:
-        paid = dict.fromkeys(
-            payment
-            for rule in model.rules
-            if rule.action == action.name and rule.name in dropped
-            for outcome in rule.outcomes
-            for payment in print_payments(outcome.reward, outcome.cost)
-        )
-        if paid:
-            told = ", ".join(f"`{each}`" for each in paid)
-            yield (
-                f"{action.name}: outcomes of its old rules paid {told}, and those of the new ones pay"
-                " nothing, because experience does not tell what was paid: write it into them again"
-            )
-
-
 def _refuse_nothing(names: Sequence[str], transitions: Sequence[Transition]) -> None:
     """Raises Refused (E708) where no transition is of an action that is to get rules."""
     if names and not any(each.action in names for each in transitions):
         what = f"the experience has no transition of {', '.join(names)}: there is nothing to learn rules from"
         help = "record some: `cleancli simulate DOMAIN PROBLEM --record FILE`, or `cleancli execute`"
         raise Refused([Diagnostic("E708", what, None, help=help)])
-
-
-def _notes(names: Sequence[str], found: Revised, wanted: Wanted) -> Iterator[str]:
-    scores = together(list(found.after.values()))
-    yield (
-        f"{plural(scores.transitions, 'transition')} of {plural(len(found.after), 'action')}:"
-        f" {plural(len(found.added), 'rule')} learned, {plural(len(found.dropped), 'rule')} dropped"
-    )
-    if scores.unforetold:
-        share = scores.unforetold / scores.transitions
-        yield (
-            f"in {plural(scores.unforetold, 'transition')} ({share:z.1%}) something happened that no outcome"
-            " says: it counts as noise, or was seen wrongly"
-        )
-    for name in names:
-        if name not in found.after:
-            rules = "it has no rule" if wanted.vocabulary else "its rules stay as they are"
-            yield f"{name}: the experience has no transition of it, so {rules}"

@@ -13,7 +13,8 @@ from cleancli.api.accounts import as_data as account_data
 from cleancli.api.agreements import agreement
 from cleancli.api.learned import LearningResult
 from cleancli.api.lessons import Counting, lessons
-from cleancli.api.structures import StructureResult, Wanted, structures
+from cleancli.api.structure_result import StructureResult
+from cleancli.api.structures import Wanted, structures
 from cleancli.cli import options, progress
 from cleancli.cli.command_table import command_of
 from cleancli.cli.completion import domains
