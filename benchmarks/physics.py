@@ -26,9 +26,8 @@ import numpy as np
 from kept import Kept, Row
 from scipy.stats import binomtest, chi2_contingency, wilcoxon
 
-from cleancli.cli.commands.act import COUNTED, in_order
 from cleancli.execution.seeds import Stream, derived
-from cleancli.execution.trials import TrialResult, attempt
+from cleancli.execution.trials import COUNTED, TrialResult, attempt, in_order
 from cleancli.geometry.ellipse import Ellipse
 from cleancli.language.diagnostics.diagnostic import Source
 from cleancli.motion.actions import ARITIES, PICK_UP, PICK_UPS, TO_ZONE, WIPES, tool_path

@@ -11,8 +11,8 @@ from pathlib import Path
 import pytest
 from scipy.stats import binomtest
 
-from cleancli.cli.commands.act import in_order
 from cleancli.cli.main import run
+from cleancli.execution.trials import in_order
 from cleancli.motion.path import ToolPath
 from support.remote_scripted import WIDE, ScriptedDriver
 from support.scripted_robot import Points

@@ -6,9 +6,12 @@ Here, as in a report, the truth is asked: no plan and no rule is made from what 
 from __future__ import annotations
 
 import enum
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterator, Sequence
+from concurrent.futures import ProcessPoolExecutor
 from contextlib import closing
 from dataclasses import dataclass, replace
+from multiprocessing import get_context
+from typing import TypeVar
 
 import numpy as np
 
@@ -41,6 +44,10 @@ class TrialResult(enum.Enum):
     SPREAD_OUT = "spread out"
     FAILED = "failed"  # the robot could not follow its path
     NOT_TRIED = "not tried"  # too few areas were seen, or not the ones asked for
+
+
+COUNTED = (TrialResult.NONE_LEFT, TrialResult.SOME_LEFT, TrialResult.SPREAD_OUT)
+"""The outcomes of which shares are given; in the other trials nothing was done."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -174,3 +181,16 @@ def _meant(truth: Truth, targets: Bools, ellipses: Sequence[Ellipse]) -> Points:
 def _on_surface(truth: Truth) -> Points:
     """Where all dirt of the table lies, (n, 2)."""
     return np.concatenate((truth.left[:, :2], truth.ink[:, :2]))
+
+
+_Outcome = TypeVar("_Outcome")
+
+
+def in_order(try_one: Callable[[int], _Outcome], seeds: Sequence[int], jobs: int) -> Iterator[_Outcome]:
+    """What came of these seeds in their order, so many at a time."""
+    if jobs == 1:
+        yield from map(try_one, seeds)
+        return
+    # A fork would share what the engine and OpenCV have loaded; a fresh process shares nothing.
+    with ProcessPoolExecutor(jobs, mp_context=get_context("spawn")) as pool:
+        yield from pool.map(try_one, seeds)

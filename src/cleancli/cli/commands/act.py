@@ -2,16 +2,11 @@
 
 from __future__ import annotations
 
-import json
 import re
-from collections import Counter
-from collections.abc import Callable, Iterator, Mapping, Sequence
-from concurrent.futures import ProcessPoolExecutor
-from dataclasses import dataclass, field, replace
+from collections.abc import Mapping, Sequence
+from dataclasses import replace
 from functools import partial
-from multiprocessing import get_context
 from pathlib import Path
-from typing import TypeVar
 
 import click
 import numpy as np
@@ -24,26 +19,20 @@ from cleancli.cli.inputs import open_with
 from cleancli.cli.progress import counting
 from cleancli.cli.questions import answer
 from cleancli.cli.views.motions import ask_before, way_of
+from cleancli.cli.views.trials import Tried, show_trials
 from cleancli.execution.seeds import Stream, derived
 from cleancli.execution.seen_trials import aimed, attempt_seen
-from cleancli.execution.trials import Trial, TrialResult, attempt
+from cleancli.execution.trials import attempt, in_order
 from cleancli.language.diagnostics.plural import plural
 from cleancli.language.diagnostics.sink import meant
 from cleancli.motion.actions import ARITIES, TO_ZONE, can_execute
 from cleancli.perception.frame_source import BadRecording
 from cleancli.perception.pictures import draw
 from cleancli.perception.surface import NoSurface
-from cleancli.recording.overlay import overlay
 from cleancli.recording.pictures import write_png
 from cleancli.scene.grasps import SHIPPED, named
 from cleancli.scene.model import Rag, Scene
 from cleancli.scene.robots import ARMS
-from cleancli.statistics.shares import wilson
-
-COUNTED = (TrialResult.NONE_LEFT, TrialResult.SOME_LEFT, TrialResult.SPREAD_OUT)
-"""The outcomes of which shares are given; in the other trials nothing was done."""
-
-_Outcome = TypeVar("_Outcome")
 
 
 @command_of("act")
@@ -99,11 +88,11 @@ def command(
         if file is not None and not file.resolve().parent.is_dir():
             raise click.BadParameter(f"there is no folder `{file.parent}`", param_hint=option)
     first = setting.seed if seed is None else seed
-    tried = _Tried(setting, action, names, range(first, first + repeat), _variants(setting, grasps))
+    tried = Tried(setting, action, names, range(first, first + repeat), _variants(setting, grasps))
     if setting.address is None:
         _refuse_given("is for a robot at the end of a socket", ("rehearsal", "confirm"))
         _simulate(tried, jobs, as_data)
-        _show(tried, plot, as_data)
+        show_trials(tried, plot, as_data)
         return
     _refuse_given("is for simulated tables", ("grasps", "jobs"))
     try:
@@ -114,23 +103,10 @@ def command(
     except NoSurface as error:
         raise BadRecording(f"the camera: {error}") from error
     finally:  # what has been tried is told, whatever ends it
-        _show(tried, plot, as_data)
+        show_trials(tried, plot, as_data)
 
 
-@dataclass(frozen=True, slots=True)
-class _Tried:
-    """What is tried: an action upon areas of these `names` on a scene's table with these `seeds`, and with
-    the scene's `variants` by their grasps; and the trials that were `found` so far."""
-
-    setting: Scene
-    action: str
-    names: Sequence[str]
-    seeds: Sequence[int]
-    variants: Mapping[str, Scene]
-    found: dict[str, list[Trial]] = field(default_factory=dict)
-
-
-def _simulate(tried: _Tried, jobs: int, silently: bool) -> None:
+def _simulate(tried: Tried, jobs: int, silently: bool) -> None:
     """All trials of all grasps, counted while they go on."""
     number = plural(len(tried.seeds) * len(tried.variants), "trial")
     with counting(f"{tried.action}, {{}} of {number}", silently) as count:
@@ -141,7 +117,7 @@ def _simulate(tried: _Tried, jobs: int, silently: bool) -> None:
                 count()
 
 
-def _carry_out(tried: _Tried, confirm: bool) -> None:
+def _carry_out(tried: Tried, confirm: bool) -> None:
     """The trials of a remote robot, as many as a person has laid dirt for."""
     from cleancli.remote.robot import RemoteRobot
 
@@ -155,7 +131,7 @@ def _carry_out(tried: _Tried, confirm: bool) -> None:
             trials.append(attempt_seen(tried.setting, tried.action, tried.names, seed, robot, **asks))
 
 
-def _rehearse(tried: _Tried, file: Path) -> None:
+def _rehearse(tried: Tried, file: Path) -> None:
     """The stroke of the first trial over the camera's picture, by a look from where the arm is."""
     from cleancli.remote.robot import RemoteRobot
 
@@ -178,70 +154,6 @@ def _refuse_given(what: str, names: Sequence[str]) -> None:
     for name in names:
         if context.get_parameter_source(name) not in (ParameterSource.DEFAULT, None):
             raise click.UsageError(f"{options[name]} {what}")
-
-
-def _show(tried: _Tried, plot: Path | None, as_data: bool) -> None:
-    """What all trials came to; nothing where there were none."""
-    if not any(tried.found.values()):
-        return
-    setting, action, found = tried.setting, tried.action, tried.found
-    if plot is not None:
-        panels = [
-            (f"{action}, {name}: {plural(len(trials), 'trial')}", trials) for name, trials in found.items()
-        ]
-        write_png(plot, overlay(setting, panels))
-    if as_data:
-        echo(_as_json(tried))
-        return
-    echo(
-        "\n\n".join(
-            table(f"{action}, {setting.robot}, grasp {name} of {_cm(tried.variants[name])}", trials)
-            for name, trials in found.items()
-        )
-    )
-
-
-def in_order(try_one: Callable[[int], _Outcome], seeds: Sequence[int], jobs: int) -> Iterator[_Outcome]:
-    """What came of these seeds in their order, so many at a time."""
-    if jobs == 1:
-        yield from map(try_one, seeds)
-        return
-    # A fork would share what the engine and OpenCV have loaded; a fresh process shares nothing.
-    with ProcessPoolExecutor(jobs, mp_context=get_context("spawn")) as pool:
-        yield from pool.map(try_one, seeds)
-
-
-def table(title: str, trials: Sequence[Trial]) -> str:
-    """The outcomes of trials with their shares, and Wilson's intervals of 95 %."""
-    counts, total = tally(trials)
-    lines = [title, f"{'outcome':12} {'trials':>6}  {'share':>5}  95 %"]
-    for outcome in COUNTED:
-        low, high = wilson(counts[outcome], total)
-        share = counts[outcome] / total if total else 0.0
-        lines.append(f"{outcome.value:12} {counts[outcome]:6}  {share:5.2f}  {low:z.2f}-{high:z.2f}")
-    lines += [f"{o.value:12} {counts[o]:6}" for o in TrialResult if o not in COUNTED and counts[o]]
-    reasons = Counter(trial.failure for trial in trials if trial.failure)
-    lines += [f"  {number} x {reason}" for reason, number in reasons.most_common()]
-    done = [trial for trial in trials if trial.outcome in COUNTED]
-    if done:
-        left = sum(trial.left for trial in done) / max(1, sum(trial.targets for trial in done))
-        lines.append(
-            f"left on the table: {left:z.0%} of the dirt{_on_floor(done)};"
-            f" robot time: {np.mean([t.seconds for t in done]):z.1f} s"
-        )
-    return "\n".join(lines)
-
-
-def _on_floor(trials: Sequence[Trial]) -> str:
-    """How much fell down, if that is known."""
-    lost = [trial.lost for trial in trials if trial.lost is not None]
-    return f"; on the floor: {plural(sum(lost), 'particle')}" if lost else ""
-
-
-def tally(trials: Sequence[Trial]) -> tuple[Counter[TrialResult], int]:
-    """How often each outcome was met, and how many trials count."""
-    counts = Counter(trial.outcome for trial in trials)
-    return counts, sum(counts[outcome] for outcome in COUNTED)
 
 
 def _arity(action: str, setting: Scene) -> int:
@@ -280,40 +192,3 @@ def _variants(setting: Scene, grasps: Sequence[str]) -> Mapping[str, Scene]:
                 f"no grasp `{name}`; {meant(name, known, 'grasp')}", param_hint="--grasp"
             )
     return {name: replace(setting, rag=Rag(known[name], known[name].width)) for name in grasps}
-
-
-def _as_json(tried: _Tried) -> str:
-    names, setting = list(tried.names), tried.setting
-    head = {"scene": setting.name, "robot": setting.robot, "action": tried.action, "areas": names}
-    grasps = [
-        {"grasp": name, "width": tried.variants[name].rag.width, "outcomes": _shares(trials)}
-        | {"trials": [_trial(trial) for trial in trials]}
-        for name, trials in tried.found.items()
-    ]
-    return json.dumps(head | {"grasps": grasps}, indent=2)
-
-
-def _shares(trials: Sequence[Trial]) -> dict[str, object]:
-    counts, total = tally(trials)
-    shares: dict[str, object] = {}
-    for outcome in COUNTED:
-        low, high = wilson(counts[outcome], total)
-        share = counts[outcome] / total if total else None
-        shares[outcome.value] = {"trials": counts[outcome], "share": share, "low": low, "high": high}
-    return shares
-
-
-def _trial(trial: Trial) -> dict[str, object]:
-    return {
-        "seed": trial.seed,
-        "outcome": trial.outcome.value,
-        "targets": trial.targets,
-        "left": trial.left,
-        "on_floor": trial.lost,
-        "seconds": round(trial.seconds, 3),
-        "failure": trial.failure,
-    }
-
-
-def _cm(setting: Scene) -> str:
-    return f"{setting.rag.width * 100:z.4g} cm"
