@@ -20,8 +20,8 @@ from collections.abc import Iterator, Mapping, Sequence
 from pathlib import Path
 
 import cleancli
+from cleancli.api.experience_paths import experience_files
 from cleancli.api.inputs import load_domain
-from cleancli.api.lessons import experience_files
 from cleancli.language.model import Domain
 from cleancli.learning.experience import Transition, read_experience
 from cleancli.learning.structure.arrays import compiled

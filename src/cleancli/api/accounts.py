@@ -6,8 +6,9 @@ from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
+from cleancli.api.experience_paths import experience_files
 from cleancli.api.inputs import LoadedDomain
-from cleancli.api.lessons import Counting, experience_files
+from cleancli.api.lessons import Counting
 from cleancli.language.load import located_in
 from cleancli.language.model import Domain
 from cleancli.language.printing.printer import print_fraction, print_result

@@ -6,8 +6,9 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
+from cleancli.api.experience_paths import experience_files
 from cleancli.api.inputs import LoadedDomain
-from cleancli.api.lessons import Counting, experience_files
+from cleancli.api.lessons import Counting
 from cleancli.api.plain import plain
 from cleancli.api.tables import TextTable
 from cleancli.language.load import located_in

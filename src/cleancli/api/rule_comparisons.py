@@ -10,9 +10,9 @@ from pathlib import Path
 import numpy as np
 
 from cleancli.api.checks import check_least
+from cleancli.api.experience_paths import experience_files
 from cleancli.api.explanations import effect_text
 from cleancli.api.inputs import GivenDomain, LoadedDomain, load_domain
-from cleancli.api.lessons import experience_files
 from cleancli.api.plain import plain
 from cleancli.api.tables import TextTable, preformatted, shown
 from cleancli.compiler.fluents import Values

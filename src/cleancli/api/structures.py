@@ -10,9 +10,10 @@ from typing import NamedTuple
 import numpy as np
 
 from cleancli.api.checks import check_least, check_one_of
+from cleancli.api.experience_paths import experience_files
 from cleancli.api.inputs import GivenDomain, LoadedDomain, load_domain
 from cleancli.api.learned import Change, check_writable
-from cleancli.api.lessons import edited, experience_files, is_own_file, knowledge, method_of
+from cleancli.api.lessons import edited, is_own_file, knowledge, method_of
 from cleancli.api.structure_notes import about_held_out, notes_of, unasked, unpaid
 from cleancli.api.structure_result import ActionStructure, StructureResult, StructureScore
 from cleancli.language.diagnostics.diagnostic import Diagnostic, Source
