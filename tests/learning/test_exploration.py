@@ -9,6 +9,7 @@ from collections.abc import Sequence
 import numpy as np
 import pytest
 
+from cleancli.compiler.fluents import Values
 from cleancli.language.diagnostics.diagnostic import Source
 from cleancli.language.load import load_domain
 from cleancli.language.model import Domain, Fact, Object, Problem
@@ -92,7 +93,7 @@ def test_nothing_is_sought_where_all_is_known() -> None:
 def test_a_plan_that_comes_to_little_is_no_better_than_a_try_here(seed: int) -> None:
     """Of forty times, going has led out of the first room once. What may be found out here, where the lamp is
     lit for the first time, is better than tens of steps in vain; where nothing is, these are."""
-    lit = {("lit", ("l1",)): True}
+    lit: Values = {("lit", ("l1",)): True}
 
     def alight(given: Sequence[Transition]) -> list[Transition]:
         return [
