@@ -10,6 +10,7 @@ from cleancli.conversion.pddl.convert import Converted, Wishes, convert
 from cleancli.language.diagnostics.diagnostic import Diagnostic, Source
 from cleancli.language.diagnostics.refused import Refused
 from cleancli.language.diagnostics.source_lines import Lines
+from cleancli.language.load import load_domain, load_problem
 
 TEXT = """\
 (define (domain tidy)
@@ -337,6 +338,18 @@ def test_facts_of_the_objects_of_another_problem_are_mistakes() -> None:
     assert (found.code, found.message) == ("E916", "unknown object `l`")
     assert found.span is not None
     assert text[found.span.start - len("(shut ") : found.span.end + 1] == "(shut l)"
+
+
+def test_an_object_has_in_each_problem_the_type_that_it_has_there() -> None:
+    """A name of two problems is two objects: the last of them was taken in both."""
+    head, start = TEXT.split("(define (problem")
+    others = f"(define (problem{start}(define (problem{start}".replace("problem two", "problem one", 1)
+    wide = others.replace("(:objects a1 a2 - area)", "(:objects a1 a2 - place)", 1)
+    found = converted(head + wide).diagnostics
+    assert [(each.code, place(each, head + wide)) for each in found] == [("W911", (13, 16))]
+    domain = load_domain(Source("tidy.nid", converted(head + wide).domain))
+    for text in converted(head + wide).problems.values():
+        load_problem(Source("problem.nid", text), domain)
 
 
 @pytest.mark.parametrize("seed", range(3))

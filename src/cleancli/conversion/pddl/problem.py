@@ -11,7 +11,7 @@ from cleancli.conversion.pddl.define import Definitions
 from cleancli.conversion.pddl.formula import NEVER
 from cleancli.conversion.pddl.naming import Naming
 from cleancli.conversion.pddl.read_conditions import Reader
-from cleancli.conversion.pddl.resolve import NO_VARIABLES, Words
+from cleancli.conversion.pddl.resolve import Scope, Words
 from cleancli.conversion.pddl.syntax import (
     AtomNode,
     DomainNode,
@@ -92,16 +92,18 @@ def starts_of(problems: Sequence[ProblemNode], words: Words, definitions: Defini
             problem,
             tuple(objects.values()),
             _facts(problem, words, objects),
-            _goal(problem, words, definitions),
+            _goal(problem, words, objects, definitions),
         )
         for problem, objects in zip(problems, words.objects, strict=True)
     )
 
 
-def _goal(problem: ProblemNode, words: Words, definitions: Definitions) -> Condition:
+def _goal(
+    problem: ProblemNode, words: Words, objects: Mapping[str, Object], definitions: Definitions
+) -> Condition:
     if problem.goal is None:
         return ()
-    goal = words.formula(problem.goal, NO_VARIABLES)
+    goal = words.formula(problem.goal, Scope(objects))
     if goal == NEVER:
         words.findings.error("E917", "this goal can never hold", problem.goal.span)
         return ()
@@ -131,7 +133,7 @@ def _facts(problem: ProblemNode, words: Words, objects: Mapping[str, Object]) ->
 
 def _resolved(node: AtomNode, words: Words, objects: Mapping[str, Object]) -> Fact | None:
     """The fact that an atom is; None after a mistake. What another problem declares is no object of this."""
-    atom = words.atom(node, NO_VARIABLES)
+    atom = words.atom(node, Scope(objects))
     if atom is None:
         return None
     for name in node.terms:

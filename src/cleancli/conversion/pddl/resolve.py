@@ -48,8 +48,9 @@ from cleancli.language.model import Object, Term, Variable
 
 @dataclass(frozen=True, slots=True)
 class Scope:
-    """What each variable of PDDL stands for at a place, an object where a `forall` is written out; and all
-    that variables around the place stand for, also those of which a nearer one has the name."""
+    """What each variable of PDDL stands for at a place, an object where a `forall` is written out, and each
+    name of an object in a problem, since others may have it too; and all that variables around the place
+    stand for, also those of which a nearer one has the name."""
 
     terms: Mapping[str, Term] = field(default_factory=dict)
     around: tuple[Term, ...] = ()
@@ -232,8 +233,8 @@ class Words:
                 help = meant(name.text, scope.terms, "variable")
                 self.findings.error("E916", f"the variable `{name.text}` is not bound", name.span, help=help)
             return bound
-        thing = self._known.get(name.text)
-        if thing is None:
+        thing = scope.terms.get(name.text) or self._known.get(name.text)
+        if not isinstance(thing, Object):
             help = meant(name.text, self._known, "object")
             self.findings.error("E916", f"unknown object `{name.text}`", name.span, help=help)
         else:
