@@ -9,9 +9,11 @@ given. About ten seconds of CPU.
 from __future__ import annotations
 
 import argparse
+import sys
 from dataclasses import dataclass
 from pathlib import Path
 
+sys.path.insert(0, str(Path(__file__).resolve().parents[1] / "tests"))
 from cleancli.compiler.ground import ground
 from cleancli.compiler.semantics import exact_value
 from cleancli.compiler.task import Task
@@ -21,26 +23,9 @@ from cleancli.planning.compiled_task import prepare
 from cleancli.planning.evaluation.belief_value import plan_value
 from cleancli.planning.plan import Options
 from cleancli.planning.registry import PLANNERS
+from support.small_tasks import SECTION_4, TWO_SCATTERED
 
 FOLDER = Path(__file__).parent / "domains"
-
-SECTION_4 = """
-domain section_4 {
-  types      { area }
-  predicates { dirt(?a - area) scattered(?a - area) }
-  derived    { dirty := count ?a - area: dirt(?a) }
-  actions    { clean(?a - area) join(?a ?b - area) }
-  rule clean_scattered: clean(?a) { when dirt(?a), scattered(?a) then 0.5: not dirt(?a) rest: nothing }
-  rule clean_compact: clean(?a) { when dirt(?a), not scattered(?a) then 0.8: not dirt(?a) rest: nothing }
-  rule join: join(?a, ?b) {
-    when dirt(?a), dirt(?b), ?a != ?b
-    then 0.3: not dirt(?a), scattered(?b)
-         0.2: not dirt(?a), not scattered(?b)
-         0.5: nothing
-  }
-  reward { decrease(dirty) }
-}
-"""
 
 EXCLUSIVE = """
 domain exclusive {
@@ -71,7 +56,7 @@ EXAMPLES = (
     Example(
         "§4: join two scattered areas",
         SECTION_4,
-        "objects { a b - area } init { dirt(a), dirt(b), scattered(a), scattered(b) }",
+        TWO_SCATTERED,
         (("join(a, b)", "clean(b)"), ("clean(a)", "clean(b)")),
     ),
     Example(
