@@ -4,7 +4,8 @@ from __future__ import annotations
 
 import pytest
 
-from cleancli.api.goals import first_and_longer, is_hopeless
+import cleancli
+from cleancli.api.goals import HOPELESS, first_and_longer, is_hopeless
 from cleancli.compiler.ground import ground
 from cleancli.language.diagnostics.diagnostic import Source
 from cleancli.language.diagnostics.refused import Refused
@@ -32,6 +33,32 @@ def switches(number: int, goal: str) -> tuple[Domain, Problem]:
 @pytest.mark.parametrize(("goal", "hopeless"), [("on(s0), not hot()", True), ("on(s0)", False)])
 def test_a_goal_that_no_action_leads_to_is_known(goal: str, hopeless: bool) -> None:
     assert is_hopeless(*switches(2, goal)) is hopeless
+
+
+@pytest.mark.parametrize(("facts", "hopeless"), [("", True), ("lamp(s0)", False)])
+@pytest.mark.parametrize("horizon", ["4", "unlimited"])
+def test_a_goal_that_what_is_static_rules_out_is_out_of_reach(
+    horizon: str, facts: str, hopeless: bool
+) -> None:
+    """Grounded, nothing is left of such a goal: it is told as any other that no action leads to."""
+    domain = (
+        "domain lamps { types { switch } predicates { on(?s - switch)  lamp(?s - switch) [static] }"
+        " actions { press(?s - switch) } rule press: press(?s) { then 0.5: on(?s) rest: nothing }"
+        " reward { goal } }"
+    )
+    problem = (
+        f"problem p {{ domain = lamps objects {{ s0 s1 - switch }} init {{ {facts} }}"
+        f" goal {{ on(s0), lamp(s0) }} horizon = {horizon} }}"
+    )
+    told = [
+        cleancli.plan(domain, problem, seed=1, samples=50),
+        cleancli.simulate(domain, problem, seed=1, episodes=2, samples=50),
+    ]
+    for each in told:
+        assert each.hopeless is hopeless
+        assert (HOPELESS.partition(":")[0] in str(each)) is hopeless
+    loaded = load_domain(Source("d", domain))
+    assert is_hopeless(loaded, load_problem(Source("p", problem), loaded)) is hopeless
 
 
 def test_of_a_problem_that_is_too_large_to_be_grounded_nothing_is_told() -> None:

@@ -6,7 +6,7 @@ from __future__ import annotations
 from collections.abc import Iterator
 
 from cleancli.compiler.ground import ground
-from cleancli.compiler.short_horizon import goal_distance, longer_horizon
+from cleancli.compiler.short_horizon import longer_horizon, out_of_reach
 from cleancli.language.diagnostics.plural import plural
 from cleancli.language.diagnostics.refused import Refused
 from cleancli.language.model import Domain, Problem
@@ -30,7 +30,7 @@ def is_hopeless(world: Domain, problem: Problem) -> bool:
     if not problem.goal:
         return False
     try:
-        return goal_distance(ground(world, problem)).least is None
+        return out_of_reach(ground(world, problem), problem)
     except Refused:
         return False
 

@@ -12,7 +12,7 @@ from cleancli.api.inputs import GivenDomain, GivenProblem, load_problem
 from cleancli.api.plan_result import PlanBranch, PlanResult
 from cleancli.api.seen import seen
 from cleancli.compiler.semantics import reaches_goal
-from cleancli.compiler.short_horizon import goal_distance, longer_horizon
+from cleancli.compiler.short_horizon import longer_horizon, out_of_reach
 from cleancli.compiler.task import literal_text
 from cleancli.language.load import located_in
 from cleancli.planning.choice import planner_named
@@ -109,7 +109,7 @@ def _is_hopeless(job: PlanningRequest, chance: GoalChance | None) -> bool:
     of the whole."""
     if chance is None or chance.probability or job.ignored or job.left_out:
         return False
-    return goal_distance(job.task).least is None
+    return out_of_reach(job.task, job.problem)
 
 
 def _is_astray(job: PlanningRequest, policy: Policy | None) -> bool:

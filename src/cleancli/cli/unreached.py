@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 from cleancli.cli.echo import echo_refused
-from cleancli.compiler.short_horizon import ShortHorizon, goal_distance, longer_horizon, short_horizon
+from cleancli.compiler.short_horizon import ShortHorizon, longer_horizon, out_of_reach, short_horizon
 from cleancli.compiler.task import Task
 from cleancli.compiler.unreached import Unreached, unreached
 from cleancli.conversion.pddl.places import place_of_goal
@@ -30,7 +30,7 @@ def warnings_of(source: Source, domain: Domain, problem: Problem) -> tuple[Diagn
 def warnings_of_states(source: Source, problem: Problem, task: Task) -> tuple[Diagnostic, ...]:
     """W403 where the goal holds in no state of the grounded problem that may occur, and W404 where it takes
     more actions than plans have."""
-    if goal_distance(task).least is None:
+    if out_of_reach(task, problem):
         return (_never(problem, "it holds in no state that actions may lead to", _place(source)),)
     found = short_horizon(task)
     return () if found is None else (_too_short(found, longer_horizon(task), problem, _place(source)),)

@@ -11,6 +11,7 @@ from dataclasses import dataclass
 
 from cleancli.compiler.semantics import changed, reaches_goal
 from cleancli.compiler.task import GroundState, Task, holds
+from cleancli.language.model import Problem
 
 WORK = 200_000
 """Rules that are asked about states, which takes some tenths of a second. Chosen."""
@@ -37,7 +38,7 @@ class ShortHorizon:
 
 
 def goal_distance(task: Task) -> GoalDistance:
-    """How far the goal is, as far as so much work finds it out; 0 without a goal."""
+    """How far the goal is, as far as so much work finds it out; 0 where the task has no condition for one."""
     frontier, known, work, steps = [task.initial], {task.initial}, 0, 0
     while frontier:
         if not task.goal or any(reaches_goal(task, state) for state in frontier):
@@ -50,6 +51,12 @@ def goal_distance(task: Task) -> GoalDistance:
         known.update(frontier)
         steps += 1
     return GoalDistance(None, exact=True)
+
+
+def out_of_reach(task: Task, problem: Problem) -> bool:
+    """Whether it is known that the goal of a task's problem never holds, if it has one. The task has no
+    conditions for it where what is static already rules it out."""
+    return bool(problem.goal) and (not task.goal or goal_distance(task).least is None)
 
 
 def short_horizon(task: Task) -> ShortHorizon | None:
