@@ -289,6 +289,7 @@ def test_actions_may_be_named_as_the_files_name_them(capsys: pytest.CaptureFixtu
     told = []
     for action in (
         "print-job(j-2, p-1)",
+        "print--job(j-2, p-1)",
         "print_job(j_2, p_1)",
         "(print-job j-2 p-1)",
         "( print_job j_2 p_1 )",

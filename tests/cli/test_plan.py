@@ -163,7 +163,8 @@ def test_options_reach_the_planner(capsys: pytest.CaptureFixture[str]) -> None:
     prada = ("--planner", "prada")
     found = data(capsys, *prada, "--option", "margin=0.1", "--option", "margin=1.5")
     assert found["empty_because"] == "margin"
-    assert "1.5 more" in said(capsys, *prada, "--option", "margin=1.5")
+    told = said(capsys, *prada, "--option", "margin=1.5")
+    assert "was found that is worth at least 1.5 more than doing nothing" in told
     limited = data(capsys, *prada, "--time-limit", "0.5", "--threads", "1", "--samples", "100")
     assert limited["samples"] == 100
 
@@ -173,7 +174,12 @@ def test_options_reach_the_planner(capsys: pytest.CaptureFixture[str]) -> None:
     [
         (", open(d1), open(d2)", "3", "goal", "the goal holds already"),
         (", open(d1), open(d2)", "shut", "horizon", "the horizon is 0"),
-        (", open(d1)", "3", "margin", "for prada and aprada, 0.5 more"),
+        (
+            ", open(d1)",
+            "3",
+            "margin",
+            "no plan within 3 actions was found that is worth at least 0.5 more than doing nothing",
+        ),
     ],
 )
 def test_an_empty_plan_says_why(
@@ -216,8 +222,8 @@ def test_an_empty_plan_says_within_how_many_actions_and_that_a_longer_horizon_ma
         return commands.said(capsys, "plan", "ferry.nid", "p.nid")
 
     usual, stated = ferried(""), ferried("horizon = 2")
-    assert "no plan found within 2 actions is worth more than that" in usual
-    assert "no plan found within 2 actions is worth more than that" in stated
+    assert "no plan within 2 actions was found that is worth more than doing nothing" in usual
+    assert "no plan within 2 actions was found that is worth more than doing nothing" in stated
     assert "the problem states no horizon" not in stated
     advised = re.search(r"the problem states no horizon, .* for example `(horizon = \d+)`", usual)
     assert advised

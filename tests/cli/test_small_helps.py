@@ -95,7 +95,10 @@ def test_the_margin_is_told_of_the_planners_that_have_one(capsys: pytest.Capture
     Path("two.nid").write_text(TWO, encoding="utf-8")
     for planner, has_margin in (("exact", False), ("likeliest", False), ("prada", True)):
         told = said(capsys, f"plan lamps.nid two.nid --planner {planner}")
-        assert "nothing worth doing: no plan found within 2 actions is worth more than that" in told
+        assert (
+            "nothing worth doing: no plan within 2 actions was found that is worth more than doing nothing"
+            in told
+        )
         assert ("for prada and aprada" in told) == has_margin
 
 

@@ -104,14 +104,16 @@ def test_another_world_is_explored_from_the_rules_of_the_domain() -> None:
 def test_several_planners_explore_each_for_itself() -> None:
     both = done(2, planner=["prada+", "sst"])
     assert both.variations[0] == done(2).variations[0]
-    assert len(both.variations) == len(both.planners) == 2
+    assert len(both.variations) == 2
+    assert [each.planner for each in both.planners] == ["explore, prada+", "explore, sst"]
 
 
 def test_the_command_tells_it(capsys: pytest.CaptureFixture[str]) -> None:
     words = ["simulate", "doors.nid", "p.nid", "--strategy", "explore", "--episodes", "3"]
     words += ["--samples", "50", "--known", "3", "--seed", "3"]
     told = said(capsys, *words)
-    assert "prada+ explored, and what it foretells is off by 0." in told
+    assert "\nexplore ended: " in told, "the row is called so"
+    assert "\nexplore: what it foretells is off by 0." in told
     assert " after 1 episode, " in told
     assert " after 2, " in told
     assert " after 3\n" in told

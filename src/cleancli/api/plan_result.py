@@ -20,7 +20,8 @@ _NOTHING = {
     "no rule": "nothing to do: no rule of any action covers this state;"
     " `cleancli explain` says of an action what its rules lack",
     "out of reach": "nothing to do: the goal is out of reach, whatever is done",
-    "margin": "nothing worth doing: no plan found within {within} is worth more than that{more}",
+    "margin": "nothing worth doing: no plan within {within} was found that is worth{more} more than doing"
+    " nothing",
 }
 
 _WITH_MARGIN = ("prada", "aprada")
@@ -127,7 +128,7 @@ class PlanResult:
         if self.empty_because is not None:
             steps = self.horizon or 0
             within = plural(steps, "action")
-            more = f" (for prada and aprada, {self.margin:g} more)" if self.planner in _WITH_MARGIN else ""
+            more = f" at least {self.margin:g}" if self.planner in _WITH_MARGIN else ""
             yield _NOTHING[self.empty_because].format(more=more, within=within)
             if self.longer_horizon is not None:
                 yield too_few(steps, self.longer_horizon)

@@ -92,7 +92,7 @@ class SimulationResult:
             reasons = ", ".join(f"{reason.value} {number}" for reason, number in summary.reasons.items())
             yield f"{summary.planner} ended: {reasons}"
         for summary, off in zip(self.planners, self.variations, strict=False):
-            yield f"{summary.planner} explored, and what it foretells is off by {_falling(off)}"
+            yield f"{summary.planner}: what it foretells is off by {_falling(off)}"
         if self.variations:
             yield f"off by: total variation, in the mean of {PAIRS} pairs of a state and an action"
         yield from unreached_lines(self.hopeless, self.short_horizon)

@@ -184,11 +184,19 @@ def batch(
     )
 
 
+def _names(setup: Batch, strategy: str) -> list[str]:
+    """What the rows are called: as the planners, but where these do not plan alone as the strategy."""
+    planners = [planner.name for planner in setup.planners]
+    if strategy == PLAN:
+        return planners
+    return [f"{strategy}, {name}" for name in planners] if len(planners) > 1 else [strategy]
+
+
 def simulation_result(setup: Batch, strategy: str, judged: Iterable[Judged]) -> SimulationResult:
     """All episodes, put in order, with what they come to. Raises what planners raise."""
     ordered = sorted(judged, key=lambda each: each.played[0].number)
     found = tuple(zip(*(each.played for each in ordered), strict=True))
-    names = [planner.name for planner in setup.planners] or [strategy]
+    names = _names(setup, strategy)
     summaries = (
         summarized(name, each, found[0] if each is not found[0] else None)
         for name, each in zip(names, found, strict=True)

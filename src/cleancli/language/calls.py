@@ -23,6 +23,7 @@ _CALL = re.compile(
 )
 """As in .nid files or, for who has PDDL's, `(walk-to kitchen)`. Names may have PDDL's hyphens, which are
 underscores in what these files become."""
+_HYPHENS = re.compile("-+")
 _ABSENT = (-1, -1)
 """Where a part of an expression stands that matched nothing (`re`)."""
 _ARGUMENT = re.compile(r"[^\s,]+")
@@ -76,7 +77,7 @@ def _read(source: Source, match: re.Match[str], domain: Domain, problem: Problem
 
 def _as_declared(name: str, declared: Collection[str]) -> str:
     """The name of something declared that a name with hyphens stands for, or else the name as it is."""
-    changed = name.replace("-", "_")
+    changed = _HYPHENS.sub("_", name)
     return changed if changed in declared else name
 
 

@@ -83,11 +83,16 @@ def _estimate(estimate: Estimate) -> dict[str, float | None]:
     return {name: value if isfinite(value) else None for name, value in told.items()}
 
 
+def _seconds_of(kind: str) -> str:
+    """The head of a column with seconds of a kind, some of which are called as something that is counted."""
+    return f"{name_of(kind)} s"
+
+
 def _means(groups: Sequence[Group]) -> Table:
     """A row a group: means of what ended clean."""
     kinds = kinds_of(groups)
     columns = ("runs", "not clean", "actions", "seconds", "of first")
-    table = plain_table("problem", "runs of", *columns, *(name_of(kind) for kind in kinds), left=2)
+    table = plain_table("problem", "runs of", *columns, *map(_seconds_of, kinds), left=2)
     for group in groups:
         table.add_row(
             group.problem,
@@ -107,7 +112,7 @@ def _table(rows: Sequence[RunRow]) -> Table:
     kinds = list(in_order({kind: 0.0 for row in rows for kind, spent in row.seconds.items() if spent}))
     compared = ("of first",) if len(rows) > 1 else ()
     columns = ("strategy", "seed", "ended", "actions", "left", "seconds", *compared)
-    table = plain_table("run", *columns, *(name_of(kind) for kind in kinds))
+    table = plain_table("run", *columns, *map(_seconds_of, kinds))
     for row in rows:
         part = f"{100 * row.total / rows[0].total:z.0f} %" if rows[0].total else "-"
         table.add_row(

@@ -1,5 +1,6 @@
 """Names for .nid files: those of PDDL's files, in the letters that they were first written in, where they can
-stay. A hyphen, and any other sign that no name of a .nid file has, becomes an underscore.
+stay. Hyphens, and other signs that no name of a .nid file has, become an underscore: `push--far` becomes
+`push_far`.
 """
 
 from __future__ import annotations
@@ -11,7 +12,7 @@ from cleancli.conversion.pddl.syntax import Name
 from cleancli.language.diagnostics.diagnostic import Source
 from cleancli.language.diagnostics.sink import RESERVED
 
-_SIGN = re.compile(r"[^A-Za-z0-9_]")
+_SIGN = re.compile(r"[^A-Za-z0-9_]+")
 
 
 class Naming:
