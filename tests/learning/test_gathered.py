@@ -10,6 +10,7 @@ import pytest
 
 from cleancli.api.learned import LearningResult
 from cleancli.api.lessons import learn
+from cleancli.api.structures import learn_structure
 from cleancli.cli.main import run
 from cleancli.language.diagnostics.refused import Refused
 from cleancli.language.load import load_domain, read_source
@@ -172,3 +173,28 @@ def test_a_copy_is_written_and_the_domain_stays(domain: Path, tmp_path: Path) ->
     assert run(words) == 1, "nothing is written over"
     assert copy.read_text(encoding="utf-8") == once
     assert run([*words, "--write"]) == 2
+
+
+def test_rules_that_were_learned_whole_are_not_a_prior_for_their_own_experience(
+    domain: Path, tmp_path: Path
+) -> None:
+    """docs/learning.md: they note no counts; what they were learned from is named, and counts once."""
+    first = experience(tmp_path, "a.jsonl", *[HEADS, HEADS, TAILS] * 40)
+    text = learn_structure(domain, first, vocabulary=True).changes[0].after
+    domain.write_text(text, encoding="utf-8")
+    assert counted(domain) == {"a.jsonl": 120}
+    assert "[prior" not in text
+    assert "seen" not in text
+    grown = experience(tmp_path, "grown.jsonl", *[HEADS, HEADS, TAILS] * 40, HEADS)
+    for given in ([first], [grown], [first, experience(tmp_path, "b.jsonl", TAILS)]):
+        for replace in (False, True):
+            with pytest.raises(Refused) as refused:
+                learn(domain, *given, replace=replace)
+            (told,) = refused.value.diagnostics
+            assert told.code == "E709"
+            assert "--add" in str(told.help)
+    assert domain.read_text(encoding="utf-8") == text
+    assert notes(learn(domain, first, add=True), "counted already")
+    learn(domain, grown, add=True, write=True)
+    assert sum(seen(domain)) == 1, "only what is new"
+    assert sum(counted(domain).values()) == 121, "the first file is the beginning of the grown one"

@@ -22,8 +22,9 @@ from cleancli.api.learned import (
     check_writable,
 )
 from cleancli.language.checking.learned import LARGEST_M, MOST_FORGETTING
-from cleancli.language.diagnostics.diagnostic import Source
+from cleancli.language.diagnostics.diagnostic import Diagnostic, Source
 from cleancli.language.diagnostics.plural import plural
+from cleancli.language.diagnostics.refused import Refused
 from cleancli.language.diagnostics.text_edit import Edit, apply_edits
 from cleancli.language.load import checked_domain, located_in
 from cleancli.language.model import Domain, Experience, Knowledge
@@ -126,6 +127,7 @@ def lessons(
     files, passed_over = experience_files(experience, model)
     with located_in(*domain.sources):
         gathered = gather(model, files, method.is_strict, counting.adding, counting.replacing)
+        _refuse_own_experience(model, gathered.counted)
         lesson = learned_from(model, gathered.evidence, method, counting.adding)
     notes = [*passed_over, *gathered.notes]
     if model.learned is None and not counting.adding and any(map(any, counted(model).values())):
@@ -133,6 +135,19 @@ def lessons(
     rests_on = knowledge(method, gathered.experience)
     changes = rule_changes(model, lesson, gathered.evidence, gathered.origins)
     return taught(domain, lesson, rests_on, changes, notes, is_writable, include_outside)
+
+
+def _refuse_own_experience(model: Domain, again: Evidence) -> None:
+    """Raises Refused (E709) where numbers would be learned from experience that they are the shares of: those
+    of rules that were learned whole, which note no counts though the text names what was counted."""
+    own = [outcome for rule in model.rules for outcome in rule.outcomes]
+    if any(each.seen is not None for each in (*own, *model.parameters)):
+        return
+    names = [model.rules[rule].name for rule in again.examples() if rule is not None]
+    if names:
+        message = f"`{names[0]}` was learned from experience that is given again, which would count twice"
+        help = "count new experience on with --add, or learn rules anew with --structure"
+        raise Refused([Diagnostic("E709", message, None, help=help)])
 
 
 def rule_changes(

@@ -16,7 +16,7 @@ from cleancli.language.diagnostics.plural import plural
 from cleancli.language.diagnostics.refused import Refused
 from cleancli.language.model import Domain, Experience
 from cleancli.language.parsing.read import refused_as
-from cleancli.learning.evidence import Collector, Evidence, together
+from cleancli.learning.evidence import NO_EVIDENCE, Collector, Evidence, together
 from cleancli.learning.experience import LONGEST, Reading, read_experience
 from cleancli.learning.match import Matcher
 
@@ -45,10 +45,11 @@ class Origin:
 @dataclass(frozen=True, slots=True)
 class Gathered:
     """All that is to be learned from: `experience` says which files it is from, those that the domain's text
-    has counted too where they are counted on. `origins` are the files of the evidence in turn, and `notes`
-    what a person should know."""
+    has counted too where they are counted on. `counted` is what of the evidence the text has counted.
+    `origins` are the files of the evidence in turn, and `notes` what a person should know."""
 
     evidence: Evidence
+    counted: Evidence
     experience: tuple[Experience, ...]
     origins: tuple[Origin, ...]
     notes: tuple[str, ...]
@@ -56,11 +57,13 @@ class Gathered:
 
 @dataclass(frozen=True, slots=True)
 class _Read:
-    """A file as it was read: its transitions, less those that count already; the part that it is as a whole,
-    and shorter ones that are known."""
+    """A file as it was read: its transitions, less those that count already where the text's counts are added
+    to; those that the text has `counted` and that count anew; the part that it is as a whole, and shorter
+    ones that are known."""
 
     file: GivenFile
     evidence: Evidence
+    counted: Evidence
     whole: Part
     parts: frozenset[Part]
     is_cut: bool
@@ -90,7 +93,8 @@ def gather(
     names = {_part(each) for each in stays}
     new = [_experience(each) for each in kept if each.whole not in names]
     evidence = together(each.evidence for each in kept)
-    return Gathered(evidence, (*stays, *new), tuple(map(_origin, kept)), tuple(notes))
+    again = together(each.counted for each in kept)
+    return Gathered(evidence, again, (*stays, *new), tuple(map(_origin, kept)), tuple(notes))
 
 
 def _origin(read: _Read) -> Origin:
@@ -123,16 +127,16 @@ def _read(
     matcher, reading = Matcher(domain, strict), Reading()
     known = counted | ends
     numbers = {number for number, _ in known}
-    collector = Collector()
+    collector, again = Collector(), NO_EVIDENCE
     parts: list[Part] = []
     for transition in read_experience(file.path, domain, reading):
         collector.add(matcher.match(transition), transition)
         if reading.transitions in numbers and (part := (reading.transitions, reading.sha256)) in known:
             parts.append(part)
-            if adding and part in counted:
-                collector = Collector()
+            if part in counted:
+                again, collector = (NO_EVIDENCE, Collector()) if adding else (collector.evidence, collector)
     whole = (reading.transitions, reading.sha256)
-    return _Read(file, collector.evidence, whole, frozenset(parts) - {whole}, reading.is_cut)
+    return _Read(file, collector.evidence, again, whole, frozenset(parts) - {whole}, reading.is_cut)
 
 
 def _refuse_dropped(dropped: Sequence[Experience]) -> None:
