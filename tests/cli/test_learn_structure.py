@@ -390,6 +390,18 @@ def test_without_a_transition_there_is_nothing_to_learn_from(
     assert not Path("new.nid").exists()
 
 
+@pytest.mark.parametrize("how", ["--structure bare.nid", "--structure --vocabulary locks.nid", "locks.nid"])
+def test_a_file_that_exists_is_refused_before_anything_is_learned(
+    folder: Path, capsys: pytest.CaptureFixture[str], how: str
+) -> None:
+    before = Path("bare.nid").read_bytes()
+    assert run(f"learn {how} seen.jsonl --output bare.nid".split()) == 1
+    out, err = capsys.readouterr()
+    assert out == ""
+    assert "error[E006]: `bare.nid` already exists" in err
+    assert Path("bare.nid").read_bytes() == before
+
+
 def test_where_nothing_is_new_no_byte_changes(folder: Path, capsys: pytest.CaptureFixture[str]) -> None:
     """Another layout than that of `fmt`, and other ends of lines."""
     said(capsys, "learn --structure bare.nid seen.jsonl --output new.nid")

@@ -21,6 +21,9 @@ def write_atomically(path: Path | str, text: str, expected_old_text: str | None)
     write_all([Replacement(Path(path), text, expected_old_text)])
 
 
+_EXISTS = "already exists"
+
+
 @dataclass(frozen=True, slots=True)
 class Replacement:
     """A file to be replaced by `text` if it still reads `expected`; None: it must not exist."""
@@ -56,13 +59,17 @@ def write_all(changes: Iterable[Replacement]) -> None:
             raise Refused([_refusal(named, meanwhile.what)]) from None
 
 
+def refuse_existing(path: Path) -> None:
+    """Refuse (E006) what is to be a new file before long work goes into it; `write_all` looks again."""
+    if path.exists():
+        raise Refused([_refusal(path, _EXISTS)])
+
+
 def _unexpected(change: Replacement, original: Original | None) -> Diagnostic | None:
     expected = None if change.expected is None else change.expected.encode("utf-8")
     if (None if original is None else original.content) == expected:
         return None
-    return _refusal(
-        change.path, "already exists" if expected is None else "has changed on disk since it was read"
-    )
+    return _refusal(change.path, _EXISTS if expected is None else "has changed on disk since it was read")
 
 
 def _refusal(path: Path, what: str) -> Diagnostic:

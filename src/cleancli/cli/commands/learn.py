@@ -24,6 +24,7 @@ from cleancli.cli.files import echo_difference
 from cleancli.cli.inputs import may_include_outside, open_loaded, ships_with
 from cleancli.cli.progress import working
 from cleancli.cli.usage import usage_errors
+from cleancli.files.replace import refuse_existing
 from cleancli.language.diagnostics.diagnostic import Source
 from cleancli.learning.structure.induce import SEARCHES, TREE
 
@@ -124,6 +125,8 @@ def command(
     loaded, is_own = open_loaded(named), Path(named).is_file()
     if write and not is_own:
         raise ships_with(named, loaded)
+    if output is not None:
+        refuse_existing(output)
     if structure:
         with progress.counting("learning rules, {} actions done", quiet=False) as done, usage_errors():
             rules = structures(loaded, experience, wanted, is_own, may_include_outside(), done)
