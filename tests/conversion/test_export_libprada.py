@@ -15,7 +15,7 @@ from cleancli.language.load import load_domain, load_problem
 from cleancli.language.model import Assign
 from cleancli.planning.plan import BadOption
 from support.export_texts import LAMPS
-from support.exported_libprada import disagreements, written
+from support.exported_libprada import disagreements, library_of, written
 from support.shipped import shipped_domain, shipped_problem
 
 PEER = Path(__file__).parents[2] / "benchmarks" / "libprada"
@@ -281,6 +281,27 @@ def test_a_closure_that_changes_is_no_fact() -> None:
     assert not any("above" in each for each in made.texts.values())
     assert "left out: counts that ask for more than literals: aboves" in made.notes
     assert any("the goal" in note for note in made.notes)
+
+
+def test_a_closure_that_only_a_count_asks_for_is_declared() -> None:
+    text = """
+    domain roads {
+      types { town }
+      predicates { road(?a ?b - town) [static]  seen(?a - town) }
+      derived { linked(?a ?b - town) := closure road
+                links := count ?a ?b - town: linked(?a, ?b), not seen(?a) }
+      actions { see(?a - town) }
+      rule see_it: see(?a) { when not seen(?a)  then 1: seen(?a) }
+      reward { decrease(links) }
+    }
+    """
+    domain = load_domain(Source("roads.nid", text))
+    problem = (
+        "problem p { domain = roads objects { a b c - town } init { road(a, b), road(b, c) } horizon = 2 }"
+    )
+    made = written(domain, load_problem(Source("p.nid", problem), domain))
+    (counted,) = [fact for fact in library_of(made).symbols if fact.name == "links"]
+    assert [atom.symbol for atom in counted.condition] == ["linked", "seen"]
 
 
 def test_a_rule_of_too_many_cases_is_refused() -> None:

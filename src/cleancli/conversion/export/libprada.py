@@ -166,6 +166,8 @@ class _Writer:
 
     def symbols(self) -> str:
         """Actions, predicates and counts."""
+        # What counts ask for is declared, too.
+        counts = [line for count in self._domain.counts for line in self._count(count)]
         lines = [
             f"{self._names.of(a.name, 'action')} {len(a.parameters)} action binary"
             for a in self._domain.actions
@@ -182,7 +184,6 @@ class _Writer:
         lines += [f"{self._names.of(name)} 2 primitive binary" for name in self._formulas.closures]
         if self._noise is not None:
             lines.append(f"{self._noise} 0 primitive binary")
-        counts = [line for count in self._domain.counts for line in self._count(count)]
         if self._uses_same:
             lines.append(f"{SAME} 2 primitive binary")
         return "\n".join([*lines, *counts]) + "\n"
