@@ -6,6 +6,7 @@ import re
 import signal
 import subprocess
 import sys
+import time
 from collections.abc import Iterator
 from contextlib import contextmanager
 from dataclasses import replace
@@ -133,3 +134,20 @@ def test_a_person_re_arms(capsys: pytest.CaptureFixture[str]) -> None:
 def test_what_makes_no_sense_is_told(words: list[str], said: str, capsys: pytest.CaptureFixture[str]) -> None:
     assert run(["robot", *words]) == 2
     assert said in capsys.readouterr().err
+
+
+def test_waiting_for_a_driver_is_told(
+    capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    class Slow(Toy):
+        @property
+        def clock(self) -> float:
+            time.sleep(0.1)
+            return super().clock
+
+    monkeypatch.setenv("CLEANCLI_PROGRESS_AFTER", "0.05")
+    with served(Slow()) as server:
+        assert run(["robot", "rearm", str(server.address)]) == 0
+        assert capsys.readouterr().err == f"waiting for the driver at {server.address} ...\n"
+        assert run(["robot", "check", "--still", "--json", str(server.address)]) == 0
+        assert capsys.readouterr().err == f"checking the driver at {server.address} ...\n"

@@ -77,6 +77,11 @@ def conformance(address: Address, moves: bool = True) -> Iterator[Finding]:
         yield _tried(step, check, address)
 
 
+def number_of_steps(moves: bool) -> int:
+    """Of a check that finds what it is to look at."""
+    return 1 + len(STILL_STEPS) + (len(MOVING_STEPS) if moves else 0)
+
+
 def _tried(step: str, check: Callable[[Client], None], address: Address) -> Finding:
     try:
         with Client(address) as client:

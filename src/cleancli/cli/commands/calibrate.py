@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterable
-from contextlib import closing
+from contextlib import ExitStack, closing
 from dataclasses import asdict, replace
 from pathlib import Path
 from typing import TYPE_CHECKING
@@ -145,9 +145,11 @@ def _photographed(setting: Scene, seed: int, count: int) -> Iterable[Frame]:
     robot's table has to be clean."""
     from cleancli.world.robot import finish
 
-    with closing(_table(setting, seed)) as table:
-        table.withdraw()
-        finish(table)
+    with ExitStack() as kept:
+        with working("moving the tool out of view"):
+            table = kept.enter_context(closing(_table(setting, seed)))
+            table.withdraw()
+            finish(table)
         yield from counted("frames", (table.observe() for _ in range(count)), count)
 
 

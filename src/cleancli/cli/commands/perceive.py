@@ -17,7 +17,7 @@ from cleancli.cli.command_table import command_of
 from cleancli.cli.completion import domains, problems
 from cleancli.cli.echo import echo
 from cleancli.cli.inputs import open_loaded, open_scene
-from cleancli.cli.progress import counting
+from cleancli.cli.progress import counting, working
 from cleancli.cli.recordings import open_looks, refuse_without_rerun
 from cleancli.geometry.rgbd import Frame
 from cleancli.language.load import located_in
@@ -120,7 +120,8 @@ def command(
     if is_recorded:
         sets, notes = open_looks(path, replace(reading, every=every))
     else:
-        sets = iter([(setting.name, photographed(setting, seed))])
+        with working("taking pictures"):
+            sets = iter([(setting.name, photographed(setting, seed))])
     shown = _Told(understood(sets, setting, loaded.model, seed), as_data)
     with located_in(*loaded.sources), counting("{} looks", quiet=False) as count:
         looks = _counted(shown.looks(), count)

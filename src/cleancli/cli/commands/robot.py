@@ -16,6 +16,7 @@ from cleancli.cli.completion import problems
 from cleancli.cli.echo import echo
 from cleancli.cli.exit_codes import ExitCode
 from cleancli.cli.inputs import open_simulated
+from cleancli.cli.progress import counted, working
 from cleancli.execution.seeds import Stream, derived
 from cleancli.remote.client import Client
 from cleancli.scene.address import PORT, Address, address_of
@@ -102,11 +103,11 @@ def rearm(address: Address) -> None:
     Look first whether the robot, the table and the people around it are ready: from then on whoever has
     control can move it.
     """
-    with Client(address, control=False) as client:
+    with working(f"waiting for the driver at {address}"), Client(address, control=False) as client:
         why = client.state.trip
         client.rearm()
         robot = client.description.robot
-        echo(f"{robot} may move again; it had tripped: {why}" if why else f"{robot} has not tripped")
+    echo(f"{robot} may move again; it had tripped: {why}" if why else f"{robot} has not tripped")
 
 
 @command.command("check", short_help="Whether a driver keeps to the protocol, step by step.")
@@ -120,10 +121,10 @@ def check(address: Address, still: bool, as_data: bool) -> int:
     purpose and is re-armed: take the rag off, and keep the emergency stop within reach. Exit code 6 if
     anything is wrong.
     """
-    from cleancli.remote.conformance import conformance
+    from cleancli.remote.conformance import conformance, number_of_steps
 
-    found = []
-    for each in conformance(address, moves=not still):
+    found, steps = [], conformance(address, moves=not still)
+    for each in counted(f"checking the driver at {address}", steps, number_of_steps(moves=not still)):
         found.append(each)
         if not as_data:
             echo(f"{each.step}: " + (f"{each.fault}: {each.what}" if each.fault else "yes"))
