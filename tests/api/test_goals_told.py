@@ -50,13 +50,11 @@ def test_a_goal_that_what_is_static_rules_out_is_out_of_reach(
         f"problem p {{ domain = lamps objects {{ s0 s1 - switch }} init {{ {facts} }}"
         f" goal {{ on(s0), lamp(s0) }} horizon = {horizon} }}"
     )
-    told = [
-        cleancli.plan(domain, problem, seed=1, samples=50),
-        cleancli.simulate(domain, problem, seed=1, episodes=2, samples=50),
-    ]
-    for each in told:
-        assert each.hopeless is hopeless
-        assert (HOPELESS.partition(":")[0] in str(each)) is hopeless
+    plan = cleancli.plan(domain, problem, seed=1, samples=50)
+    simulated = cleancli.simulate(domain, problem, seed=1, episodes=2, samples=50)
+    assert (plan.hopeless, simulated.hopeless) == (hopeless, hopeless)
+    for told in (str(plan), str(simulated)):
+        assert (HOPELESS.partition(":")[0] in told) is hopeless
     loaded = load_domain(Source("d", domain))
     assert is_hopeless(loaded, load_problem(Source("p", problem), loaded)) is hopeless
 

@@ -95,11 +95,9 @@ def test_the_margin_is_told_of_the_planners_that_have_one(capsys: pytest.Capture
     Path("two.nid").write_text(TWO, encoding="utf-8")
     for planner, has_margin in (("exact", False), ("likeliest", False), ("prada", True)):
         told = said(capsys, f"plan lamps.nid two.nid --planner {planner}")
-        assert (
-            "nothing worth doing: no plan within 2 actions was found that is worth more than doing nothing"
-            in told
-        )
-        assert ("for prada and aprada" in told) == has_margin
+        worth = "over 0.05 more" if has_margin else "more"
+        nothing = f"no plan within 2 actions was found that is worth {worth} than doing nothing"
+        assert f"nothing worth doing: {nothing}\n" in told
 
 
 def test_a_domain_that_is_nowhere_is_told_at_its_name(

@@ -140,8 +140,9 @@ def lessons(
 def _refuse_own_experience(model: Domain, again: Evidence) -> None:
     """Raises Refused (E709) where numbers would be learned from experience that they are the shares of: those
     of rules that were learned whole, which note no counts though the text names what was counted."""
-    own = [outcome for rule in model.rules for outcome in rule.outcomes]
-    if any(each.seen is not None for each in (*own, *model.parameters)):
+    counts = [outcome.seen for rule in model.rules for outcome in rule.outcomes]
+    counts += [parameter.seen for parameter in model.parameters]
+    if any(seen is not None for seen in counts):
         return
     names = [model.rules[rule].name for rule in again.examples() if rule is not None]
     if names:

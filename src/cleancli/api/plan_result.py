@@ -128,7 +128,7 @@ class PlanResult:
         if self.empty_because is not None:
             steps = self.horizon or 0
             within = plural(steps, "action")
-            more = f" at least {self.margin:g}" if self.planner in _WITH_MARGIN else ""
+            more = f" over {self.margin:g}" if self.planner in _WITH_MARGIN else ""
             yield _NOTHING[self.empty_because].format(more=more, within=within)
             if self.longer_horizon is not None:
                 yield too_few(steps, self.longer_horizon)
