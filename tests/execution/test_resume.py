@@ -242,6 +242,7 @@ def test_a_disk_that_fills_up_ends_a_run_with_an_error_and_it_can_go_on() -> Non
         (["--resume", "nowhere"], 2, "does not exist"),
         (["cleaning", "--resume", "runs/whole"], 2, "takes no DOMAIN"),
         (["--resume", "runs/whole", "--seed", "3"], 2, "takes no --seed"),
+        (["--resume", "runs/whole", "--dry-run", "stroke.png"], 2, "takes no --dry-run"),
         ([], 2, "name a domain and a problem"),
     ],
 )

@@ -10,7 +10,6 @@ from pathlib import Path
 
 import click
 import numpy as np
-from click.core import ParameterSource
 
 from cleancli.cli import options
 from cleancli.cli.command_table import command_of
@@ -18,6 +17,7 @@ from cleancli.cli.echo import echo
 from cleancli.cli.inputs import open_with
 from cleancli.cli.progress import counting
 from cleancli.cli.questions import answer
+from cleancli.cli.usage import is_given
 from cleancli.cli.views.motions import ask_before, way_of
 from cleancli.cli.views.trials import Tried, show_trials
 from cleancli.execution.seeds import Stream, derived
@@ -149,10 +149,9 @@ def _rehearse(tried: Tried, file: Path) -> None:
 
 def _refuse_given(what: str, names: Sequence[str]) -> None:
     """Raises UsageError for an option that makes no sense with this robot."""
-    context = click.get_current_context()
-    options = {each.name: each.opts[0] for each in context.command.params}
+    options = {each.name: each.opts[0] for each in click.get_current_context().command.params}
     for name in names:
-        if context.get_parameter_source(name) not in (ParameterSource.DEFAULT, None):
+        if is_given(name):
             raise click.UsageError(f"{options[name]} {what}")
 
 

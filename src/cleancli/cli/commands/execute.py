@@ -9,7 +9,6 @@ from math import isnan
 from pathlib import Path
 
 import click
-from click.core import ParameterSource
 
 from cleancli.api.checks import DISCOUNTING
 from cleancli.api.inputs import LoadedDomain
@@ -24,7 +23,7 @@ from cleancli.cli.exit_codes import ExitCode
 from cleancli.cli.inputs import may_include_outside, open_given, open_loaded, ships_with
 from cleancli.cli.recordings import refuse_without_rerun
 from cleancli.cli.unreached import tell_unreached
-from cleancli.cli.usage import usage_errors
+from cleancli.cli.usage import is_given, usage_errors
 from cleancli.cli.views.rehearsal import rehearse
 from cleancli.cli.views.run import Telling, echo_note, followed
 from cleancli.execution.setup import MOST, EpisodeOptions, Job, usual_strategy
@@ -37,6 +36,9 @@ from cleancli.learning.optimism import OPTIMISM
 from cleancli.planning.registry import PLANNERS
 from cleancli.recording.folder import RUN
 from cleancli.recording.series import MOST_EPISODES
+
+_BESIDE_RESUME = {"resume", "saved", "confirm", "as_data", "quiet"}
+"""What may be said beside `--resume`, since it is not about what is carried out."""
 
 
 def _number(context: click.Context, parameter: click.Parameter, value: float) -> float:
@@ -290,18 +292,9 @@ def _known(known: int | None, epsilon: float | None, delta: float | None) -> int
 
 def _refuse_beside_resume() -> None:
     """Raises UsageError for what a resumed run has from its beginning."""
-    context = click.get_current_context()
-    for name in context.params:
-        source = context.get_parameter_source(name)
-        given = source not in (ParameterSource.DEFAULT, None) and name not in (
-            "resume",
-            "saved",
-            "confirm",
-            "as_data",
-            "quiet",
-        )
-        if given:
-            what = name.upper() if name in ("domain", "problem") else f"--{name.replace('_', '-')}"
+    for each in click.get_current_context().command.params:
+        if each.name is not None and each.name not in _BESIDE_RESUME and is_given(each.name):
+            what = each.name.upper() if isinstance(each, click.Argument) else each.opts[0]
             raise click.UsageError(f"--resume goes on as the run began, and takes no {what}")
 
 
