@@ -13,7 +13,7 @@ from pathlib import Path
 
 import pytest
 
-from cleancli.api import run_session
+from cleancli.api import provenance
 from cleancli.cli.main import run
 
 ROOT = Path(__file__).parent.parent.parent
@@ -202,7 +202,7 @@ def test_a_run_is_recorded_and_goes_on_without_what_another_machine_has(
     """No library but those that a symbolic run needs is asked for its version."""
     monkeypatch.chdir(tmp_path)
     monkeypatch.setitem(sys.modules, "pybullet", None)
-    monkeypatch.setattr(run_session, "version", _without("pybullet", version))
+    monkeypatch.setattr(provenance, "version", _without("pybullet", version))
     words = ["execute", "cleaning", "three_areas", "--seed", "5", "--samples", "50", "--quiet"]
     assert run([*words, "--max-actions", "1"]) in (0, 3)
     path = tmp_path / "runs" / "three_areas-seed5-001" / "run.json"
