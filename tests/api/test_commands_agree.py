@@ -58,7 +58,7 @@ def test_plan_with_options_of_planners(capsys: pytest.CaptureFixture[str]) -> No
     words += ["--option", "margin=5", "--option", "rule_threshold=0.1"]
     same(result.to_dict(), told(capsys, *words))
     assert result.plan == ()
-    assert "for prada and aprada, 5 more" in str(result)
+    assert "was found that is worth over 5 more than doing nothing" in str(result)
     assert printed(capsys, *words).startswith(str(result))
 
 
