@@ -25,7 +25,6 @@ ELSEWHERE = {
     "E705": "tests/report/test_run.py",  # a folder is no .nid file
     "E706": "tests/execution/test_resume.py",  # a checkpoint is no .nid file
     "E707": "tests/learning/test_gathered.py",  # it is about files of experience
-    "E709": "tests/learning/test_gathered.py",
     "E708": "tests/cli/test_learn_structure.py",  # so is it here
     "E801": "tests/language/test_rename.py",  # a rename is no file, here and below
     "E802": "tests/language/test_rename.py",

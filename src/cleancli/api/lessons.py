@@ -22,9 +22,8 @@ from cleancli.api.learned import (
     check_writable,
 )
 from cleancli.language.checking.learned import LARGEST_M, MOST_FORGETTING
-from cleancli.language.diagnostics.diagnostic import Diagnostic, Source
+from cleancli.language.diagnostics.diagnostic import Source
 from cleancli.language.diagnostics.plural import plural
-from cleancli.language.diagnostics.refused import Refused
 from cleancli.language.diagnostics.text_edit import Edit, apply_edits
 from cleancli.language.load import checked_domain, located_in
 from cleancli.language.model import Domain, Experience, Knowledge
@@ -127,9 +126,8 @@ def lessons(
     files, passed_over = experience_files(experience, model)
     with located_in(*domain.sources):
         gathered = gather(model, files, method.is_strict, counting.adding, counting.replacing)
-        _refuse_own_experience(model, gathered.counted)
         lesson = learned_from(model, gathered.evidence, method, counting.adding)
-    notes = [*passed_over, *gathered.notes]
+    notes = [*passed_over, *gathered.notes, *_counted_twice(model, gathered.counted)]
     if model.learned is None and not counting.adding and any(map(any, counted(model).values())):
         notes.append("the text does not say which experience its counts came from: they are replaced")
     rests_on = knowledge(method, gathered.experience)
@@ -137,18 +135,16 @@ def lessons(
     return taught(domain, lesson, rests_on, changes, notes, is_writable, include_outside)
 
 
-def _refuse_own_experience(model: Domain, again: Evidence) -> None:
-    """Raises Refused (E709) where numbers would be learned from experience that they are the shares of: those
-    of rules that were learned whole, which note no counts though the text names what was counted."""
+def _counted_twice(model: Domain, again: Evidence) -> Iterator[str]:
+    """That numbers are learned from experience that they are the shares of: those of rules that were learned
+    whole, which note no counts though the text names what was counted."""
     counts = [outcome.seen for rule in model.rules for outcome in rule.outcomes]
     counts += [parameter.seen for parameter in model.parameters]
-    if any(seen is not None for seen in counts):
-        return
-    names = [model.rules[rule].name for rule in again.examples() if rule is not None]
-    if names:
-        message = f"`{names[0]}` was learned from experience that is given again, which would count twice"
-        help = "count new experience on with --add, or learn rules anew with --structure"
-        raise Refused([Diagnostic("E709", message, None, help=help)])
+    if all(seen is None for seen in counts) and any(rule is not None for rule in again.examples()):
+        yield (
+            "the rules were learned whole from experience that is given again, and it counts twice: as what"
+            " they say, and as examples; --add counts new experience alone"
+        )
 
 
 def rule_changes(
