@@ -33,7 +33,7 @@ SLOW = 0.5
 """Real seconds by which a poll may be answered later than the driver says."""
 STOPPING = 0.1
 """Real seconds that a robot has to stop in."""
-LASTING = 1.5
+LASTING = 3.0
 """Times the lease and `STOPPING` that a motion lasts which nobody polls."""
 STRAY = 2e-3
 """Metres by which a tool that stands still may be measured elsewhere."""
