@@ -175,10 +175,10 @@ def test_a_copy_is_written_and_the_domain_stays(domain: Path, tmp_path: Path) ->
     assert run([*words, "--write"]) == 2
 
 
-def test_rules_that_were_learned_whole_are_not_a_prior_for_their_own_experience(
+def test_experience_that_rules_were_learned_whole_from_is_said_to_count_twice(
     domain: Path, tmp_path: Path
 ) -> None:
-    """docs/learning.md: they note no counts; what they were learned from is named, and counts once."""
+    """docs/learning.md: they note no counts; given again, what they were learned from counts twice."""
     first = experience(tmp_path, "a.jsonl", *[HEADS, HEADS, TAILS] * 40)
     text = learn_structure(domain, first, vocabulary=True).changes[0].after
     domain.write_text(text, encoding="utf-8")
