@@ -25,7 +25,7 @@ def grown(answers: Bools, happened: Longs) -> Tree:
     outcomes = tuple(frozenset({Assign(f"p{each}", (), True)}) for each in range(number))
     likelihoods = np.column_stack([np.eye(number), np.full(number, NOISE)])
     listed = tuple(Question(Literal(f"q{each}", (), frozenset({True}))) for each in range(answers.shape[1]))
-    kinds = np.zeros(len(listed), dtype=np.int64)
+    kinds = np.ones(len(listed), dtype=np.int64)
     possible = Possible(outcomes, likelihoods, happened)
     return tree(possible, Questions(listed, {}, kinds, answers), np.arange(len(happened)))
 

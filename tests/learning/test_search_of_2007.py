@@ -37,7 +37,8 @@ def parts(name: str, action: str, number: int) -> tuple[Possible, Questions]:
     declared = next(each for each in domain.actions if each.name == action)
     known = with_references(given, named(given, declared.parameters), changes)
     known = with_foralls(given, known, changes)
-    return needed(possible(given.arrays, known, changes)), asked_of(given.arrays, known)
+    results = needed(possible(given.arrays, known, changes))
+    return results, asked_of(given.arrays, known, results.outcomes)
 
 
 def slow_score(found: Possible, questions: Questions, rules: tuple[Context, ...]) -> float:

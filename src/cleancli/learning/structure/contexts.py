@@ -9,7 +9,7 @@ description, and what holds then (Buntine 1992, who averages over all trees that
 from __future__ import annotations
 
 import math
-from collections.abc import Collection, Iterable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Collection, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from typing import NamedTuple
 
@@ -17,12 +17,23 @@ import numpy as np
 
 from cleancli.array_types import Bools, Floats, Longs
 from cleancli.language.checking.literals import with_terms
-from cleancli.language.model import Domain, Equality, Literal, Quantified, Reference, Term, Variable
+from cleancli.language.model import (
+    Assign,
+    Domain,
+    Equality,
+    Literal,
+    Quantified,
+    Reference,
+    Term,
+    Value,
+    Variable,
+)
 from cleancli.learning.structure.arrays import Arrays, holds, index_of, ranging, some
 from cleancli.learning.structure.literals import equalities, is_provable, literals, negated, symbols
 from cleancli.learning.structure.mixture import FEW_ROUNDS, fitted, log_likelihoods
 from cleancli.learning.structure.outcomes import Possible
-from cleancli.learning.structure.terms import Named, Parts, needed_by
+from cleancli.learning.structure.sets import Outcome
+from cleancli.learning.structure.terms import Named, Parts, effect_terms, needed_by, terms_of, used
 
 
 @dataclass(frozen=True, slots=True)
@@ -87,6 +98,11 @@ EACH = 1 / 12
 """The share of the logarithm of how many transitions an action has that each probability of an outcome costs,
 on either side of a question; chosen. It is half of that logarithm by Schwarz (1978), which few transitions
 cannot pay; a question adds the probabilities of one side alone."""
+SHARES = (2 / 5, 1 / 4, 1 / 4, 1 / 4, 1 / 4)
+"""The share of questions that each kind is taken to have; chosen. The likely ones, which are of the next two
+kinds as well, ask for what an outcome changes, or about an argument that no outcome names: what actions make
+untrue held before (Yang, Wu and Jiang 2007, who take that for certain), and arguments matter for something.
+The others are about one term, about several, about what a reference names, and about unnamed objects."""
 UNLIKELY = 2.0
 """Nats that a question costs beside that which is about an object without a name, or asks if a number is one
 between its bounds, where rules mostly ask if it is at most so much; chosen."""
@@ -194,8 +210,8 @@ def _costs(kinds: Longs, answers: Bools, number: int) -> Floats:
     transitions, since few transitions could not pay all of the name."""
     alike = np.ascontiguousarray(np.packbits(answers ^ answers[:1], axis=0).T)
     first = {each.tobytes(): number for number, each in reversed(list(enumerate(alike)))}
-    different = np.bincount(kinds[list(first.values())], minlength=_KINDS)
-    naming = np.log(_KINDS * np.maximum(different[kinds], 1))
+    different = np.bincount(kinds[list(first.values())], minlength=len(SHARES))
+    naming = np.log(np.maximum(different, 1) / SHARES)[kinds]
     least = np.minimum(naming, (naming + math.log(number)) / 2)
     found: Floats = least + UNLIKELY * (kinds == _UNLIKELY)
     return found
@@ -210,8 +226,8 @@ def _free(possible: Possible, counts: Floats, beliefs: Floats) -> float:
 # ---- what may be asked
 
 
-_KINDS, _UNLIKELY = 4, 3
-"""How many kinds of questions there are, and which are the unlikely ones."""
+_UNLIKELY = len(SHARES) - 1
+"""Which kind of questions are the unlikely ones."""
 
 
 def none_of(arrays: Arrays) -> Questions:
@@ -219,13 +235,17 @@ def none_of(arrays: Arrays) -> Questions:
     return Questions((), {}, np.zeros(0, dtype=np.int64), np.zeros((arrays.size, 0), dtype=bool))
 
 
-def asked_of(arrays: Arrays, known: Named, plain_alone: bool = False) -> Questions:
-    """All questions whose answers differ in some transitions, each kind of answers once: the plain ones
-    first, and no others if `plain_alone`."""
+def asked_of(
+    arrays: Arrays, known: Named, outcomes: Sequence[Outcome], plain_alone: bool = False
+) -> Questions:
+    """All questions whose answers differ in some transitions, each kind of answers once: those that are
+    likely of an action with these outcomes and the other plain ones first, and no others if `plain_alone`."""
+    is_likely = _likely(known, outcomes)
     plain = list(_plain(arrays, known))
-    alone = [each for each in plain if _is_of_one(each[0].part)]
-    related = [each for each in plain if not _is_of_one(each[0].part)]
-    kinds: list[Iterable[tuple[Question, Bools]]] = [alone, related]
+    likely = [each for each in plain if is_likely(each[0].part)]
+    alone = [each for each in plain if not is_likely(each[0].part) and _is_of_one(each[0].part)]
+    related = [each for each in plain if not is_likely(each[0].part) and not _is_of_one(each[0].part)]
+    kinds: list[Iterable[tuple[Question, Bools]]] = [likely, alone, related]
     if not plain_alone:
         kinds += [_of_references(arrays, known), _of_others(arrays, known)]
     listed: list[Question] = []
@@ -250,6 +270,27 @@ def asked_of(arrays: Arrays, known: Named, plain_alone: bool = False) -> Questio
                 numbers.append(_UNLIKELY if _is_between(arrays.domain, question.part) else number)
     answers = np.column_stack(columns) if columns else np.zeros((arrays.size, 0), dtype=bool)
     return Questions(tuple(listed), by, np.array(numbers, dtype=np.int64), answers)
+
+
+def _likely(known: Named, outcomes: Sequence[Outcome]) -> Callable[[Literal | Equality | Quantified], bool]:
+    """Whether a part of a context asks for a value that an outcome changes and none sets, or for something of
+    an argument that no outcome and no reference of one names."""
+    effects = [effect for outcome in outcomes for effect in outcome]
+    said = {term for effect in effects for term in effect_terms(effect)}
+    said |= {term for each in used(known, outcomes) for part in each.condition for term in terms_of(part)}
+    unsaid = {term for term in _unreferenced(known)[0] if isinstance(term, Variable) and term not in said}
+    sets: dict[tuple[str, tuple[Term, ...]], set[Value]] = {}
+    for effect in effects:
+        if isinstance(effect, Assign):
+            sets.setdefault((effect.symbol, effect.terms), set()).add(effect.value)
+
+    def is_likely(part: Literal | Equality | Quantified) -> bool:
+        if not isinstance(part, Literal):
+            return False
+        changed = sets.get((part.symbol, part.terms))
+        return (changed is not None and not part.values & changed) or not unsaid.isdisjoint(part.terms)
+
+    return is_likely
 
 
 def _is_between(domain: Domain, part: Literal | Equality | Quantified) -> bool:

@@ -55,6 +55,8 @@ class Way:
 
 TREE = Way()
 
+PER_FORALL = 2.0
+"""Nats that each `forall` has to save against a reference; chosen. Most actions are on single objects."""
 PER_CHANGED_LITERAL = 1.0
 """Nats that each literal must save by which rules are changed that somebody wrote: those of a rule that is
 given up, and those of rules in its place; chosen. A result that no outcome says costs about five, so that
@@ -97,13 +99,16 @@ def _described(
     """What the leaves of the best contexts do, and the length of the description in nats."""
     everything = possible(given.arrays, known, changes)
     results = needed(everything)
-    questions = asked_of(given.arrays, known, way.plain) if any(results.outcomes) else none_of(given.arrays)
+    has_some = any(results.outcomes)
+    questions = (
+        asked_of(given.arrays, known, results.outcomes, way.plain) if has_some else none_of(given.arrays)
+    )
     if way.search == "pasula":
         grown = searched(results, questions)
     else:
         grown = tree(results, questions, np.arange(given.arrays.size))
     told = [described(results, everything, known, leaf) for leaf in grown.leaves]
-    length = grown.length + sum(lost for _, lost in told)
+    length = grown.length + sum(lost for _, lost in told) + PER_FORALL * len(known.foralls)
     if kept:
         changing = (each.leaf for each, _ in told if each.changes)
         parts = (part for leaf in changing for part in outside(given.arrays, known, action, leaf, kept))

@@ -41,12 +41,13 @@ def terms_of(part: Literal | Equality) -> tuple[Term, ...]:
 
 def used(known: Named, outcomes: Sequence[frozenset[Effect]]) -> tuple[Reference, ...]:
     """The references that outcomes use, and those that these rest on."""
-    terms = {term for outcome in outcomes for effect in outcome for term in _terms(effect)}
+    terms = {term for outcome in outcomes for effect in outcome for term in effect_terms(effect)}
     used = {r for each in known.references if terms & set(each.variables) for r in needed_by(known, each)}
     return tuple(each for each in known.references if each in used)
 
 
-def _terms(effect: Effect) -> Iterator[Term]:
+def effect_terms(effect: Effect) -> Iterator[Term]:
+    """The terms of an effect, and of the guard of a `forall`."""
     if isinstance(effect, ForAll):
         for part in effect.condition:
             yield from terms_of(part)
