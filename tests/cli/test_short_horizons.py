@@ -190,6 +190,25 @@ def test_a_course_that_does_not_reach_the_goal_says_so(
         assert f"reaches the goal with probability {chance} " in out
 
 
+def test_what_a_course_does_not_reach_is_told_of_policies_that_reach_it_otherwise(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    """docs/planning.md: not of those that never do, and who explains the plan need not be told how."""
+    paid = BREAKING.replace("0.3: fired()", "0.3: fired(), reward += 1")
+    (tmp_path / "kiln.nid").write_text(paid, encoding="utf-8")
+    plan = ["plan", str(tmp_path / "kiln.nid"), str(tmp_path / "pot.nid"), "--planner", "exact"]
+    for horizon, chance in ((4, "0.3"), (1, "0")):
+        problem = f"problem pot {{ domain = kiln goal {{ sold() }} horizon = {horizon} }}"
+        (tmp_path / "pot.nid").write_text(problem, encoding="utf-8")
+        for explained in ([], ["--explain"]):
+            assert run([*plan, *explained]) == 0
+            out = capsys.readouterr().out
+            assert "1. fire()" in out
+            assert f"reaches the goal with probability {chance} " in out
+            assert ("this course does not reach the goal" in out) == (horizon == 4)
+            assert ("`--explain` says" in out) == (horizon == 4 and not explained)
+
+
 def test_a_run_says_so_where_nothing_seems_worth_doing(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:

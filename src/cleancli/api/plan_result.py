@@ -33,8 +33,11 @@ _SHORT = (
 )
 """Beside a plan that the usual horizon is too short for."""
 
-_ASTRAY = "this course does not reach the goal; `--explain` says what else may happen, and what is done then"
-"""Below the likeliest course of a policy that comes to the goal on other ways alone."""
+_ASTRAY = "this course does not reach the goal"
+"""Below the likeliest course of a policy that reaches the goal on other ways alone."""
+
+_HOW_ELSE = "; `--explain` says what else may happen, and what is done then"
+"""After that, where it has not been told."""
 
 _OF_A_POLICY = (
     "steps: of the sequence, each done once; branches: of the policy, which tries again what changed nothing"
@@ -77,7 +80,8 @@ class PlanResult:
     is unlimited; `explained` is None unless that was asked for. `goal_chance`: of the policy, or the
     sequence; None where the problem has no goal. `longer_horizon`: one to try, where the problem states none
     and the usual one seems too short. `hopeless`: no action can lead to the goal, which a search of bounded
-    work has shown. `astray`: the likeliest course of the policy, which is the plan, does not reach it."""
+    work has shown. `astray`: the likeliest course of the policy, which is the plan, does not reach
+    it, and other ways do."""
 
     problem: str
     planner: str
@@ -149,7 +153,7 @@ class PlanResult:
         if self.hopeless:
             yield HOPELESS
         elif self.astray:
-            yield _ASTRAY
+            yield _ASTRAY if self.explained is not None else _ASTRAY + _HOW_ELSE
         if self.goal_chance is not None and self.plan and not self.goal_reached:
             if self.longer_horizon is not None:
                 number, chance = len(self.plan), self.goal_chance.probability

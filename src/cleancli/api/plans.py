@@ -92,7 +92,7 @@ def plan_result(
         counted=job.options.counted,
         longer_horizon=longer_horizon(job.task) if short else None,
         hopeless=hopeless,
-        astray=_is_astray(job, found.policy),
+        astray=_is_astray(job, found.policy, chance),
     )
 
 
@@ -112,9 +112,10 @@ def _is_hopeless(job: PlanningRequest, chance: GoalChance | None) -> bool:
     return out_of_reach(job.task, job.problem)
 
 
-def _is_astray(job: PlanningRequest, policy: Policy | None) -> bool:
-    """Whether no state on the likeliest course of a policy satisfies the goal."""
-    if policy is None or not job.problem.goal:
+def _is_astray(job: PlanningRequest, policy: Policy | None, chance: GoalChance | None) -> bool:
+    """Whether no state on the likeliest course of a policy satisfies the goal, which it reaches on other
+    ways."""
+    if policy is None or chance is None or not chance.probability:
         return False
     course = policy.course(policy.start)
     on = (job.task.initial, *course.states)
