@@ -94,7 +94,7 @@ def test_what_took_no_time_in_any_run_has_no_column(
     (one / "run.json").write_text(json.dumps(written), encoding="utf-8")
     assert run(["report", str(one)]) == ExitCode.DONE
     head, row = capsys.readouterr().out.splitlines()[:2]
-    assert head.split()[-2:] == ["seconds", "actions"]
+    assert head.split()[-3:] == ["seconds", "actions", "s"]
     assert row.split()[-2:] == ["2.5", "2.5"]
 
 
