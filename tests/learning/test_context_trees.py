@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import itertools
 import math
 from collections import Counter
 
@@ -9,14 +10,18 @@ import numpy as np
 import pytest
 
 from cleancli.array_types import Bools, Longs
+from cleancli.language.diagnostics.diagnostic import Source
+from cleancli.language.load import load_domain
 from cleancli.language.model import Assign, Literal, Reference, Variable
-from cleancli.learning.structure.arrays import UNDEFINED
-from cleancli.learning.structure.contexts import EACH, Leaf, Question, Questions, Tree, tree
+from cleancli.learning.drawn_states import drawn_states
+from cleancli.learning.structure.arrays import UNDEFINED, compiled
+from cleancli.learning.structure.contexts import EACH, Leaf, Question, Questions, Tree, asked_of, tree
 from cleancli.learning.structure.outcomes import Possible
 from cleancli.learning.structure.rules import described
-from cleancli.learning.structure.terms import Named
+from cleancli.learning.structure.terms import Named, named
 
 NOISE = 0.01
+TRUE = frozenset({True})
 
 
 def grown(answers: Bools, happened: Longs) -> Tree:
@@ -97,3 +102,23 @@ def test_a_rare_outcome_of_a_reference_costs_no_rule_its_transitions(rare: int, 
     assert len(found.leaf.rows) == covered
     assert found.references == (() if covered == 20 else (reference,))
     assert lost > 0
+
+
+def test_what_an_outcome_changes_is_a_likely_question_and_so_is_an_argument_that_nothing_names() -> None:
+    """That a box is held, which the action ends, and whatever is asked about the second argument; what the
+    action brings about is not."""
+    text = """domain hold {
+      types { box }
+      predicates { held(?b - box)  down(?b - box)  red(?b - box) }
+      actions { drop(?x ?y - box) }
+      reward { goal }
+    }"""
+    domain = load_domain(Source("hold.nid", text))
+    drawn = list(itertools.islice(drawn_states((domain,), np.random.default_rng(1)), 40))
+    given = compiled(domain, drawn)["drop"]
+    x, y = domain.actions[0].parameters
+    outcome = frozenset({Assign("held", (x,), False), Assign("down", (x,), True)})
+    questions = asked_of(given.arrays, named(given, (x, y)), [outcome], plain_alone=True)
+    likely = {str(questions.listed[each].part) for each in np.flatnonzero(questions.kinds == 0)}
+    expected = [Literal("held", (x,), TRUE), *(Literal(name, (y,), TRUE) for name in ("held", "down", "red"))]
+    assert likely == set(map(str, expected))
