@@ -51,7 +51,7 @@ def own(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
 
 
 def carried_out(**asked: Any) -> SeriesResult:
-    return execute_series("own.nid", "p.nid", world="true.nid", **{**ASKED, **asked})
+    return execute_series("own.nid", "p.nid", **{"world": "true.nid", **ASKED, **asked})
 
 
 def experience(result: SeriesResult) -> list[Transition]:
@@ -208,6 +208,9 @@ def test_a_teacher_who_presses_ctrl_c_is_heard_at_once(
     ("asked", "told"),
     [
         ({"learn": False}, "the strategy explore learns rules while it works: ask for learning"),
+        ({"learn": False}, "`--learn`"),
+        ({"world": None}, "the domain has no rules, so that nothing can happen"),
+        ({"world": None, "strategy": "plan-1", "structure": True}, "the domain has no rules"),
         ({"strategy": "plan-1", "learn": False, "structure": True}, "ask for learning as well"),
         ({"strategy": "plan-1", "teacher": "true.nid"}, "plan-1 asks nobody"),
         ({"optimism": "rmax"}, "the strategy explore hopes"),

@@ -6,6 +6,7 @@ import math
 import types
 from collections.abc import Collection
 
+from cleancli.language.model import Domain
 from cleancli.planning.plan import BadOption
 
 DISCOUNTING = ("reward", "time")
@@ -48,6 +49,15 @@ def _check(
         raise BadOption(f"`{name}`: {value!r} is not a valid {whole}")
     if not low <= value <= high:  # type: ignore[operator]
         raise BadOption(f"`{name}`: {value} is not in the range {bounds}")
+
+
+def check_acts(world: Domain) -> None:
+    """Raise BadOption for a world without rules, in which no action would ever do anything."""
+    if not world.rules:
+        raise BadOption(
+            "the domain has no rules, so that nothing can happen: name those by which the world acts",
+            "--world",
+        )
 
 
 def check_one_of(name: str, value: str | None, known: Collection[str]) -> None:

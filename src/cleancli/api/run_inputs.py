@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass, replace
 
+from cleancli.api.checks import check_acts
 from cleancli.api.inputs import LoadedDomain, LoadedProblem, refuse_learning_pddl
 from cleancli.compiler.task import NoDurationError, Objective
 from cleancli.execution.setup import EpisodeOptions, Job, discounts_time
@@ -85,9 +86,11 @@ def inputs_of(
 
 def _check_structure(asked: EpisodeOptions) -> None:
     if STRATEGIES[asked.strategy].learns_rules and asked.learning is None:
-        raise BadOption(f"the strategy {asked.strategy} learns rules while it works: ask for learning")
+        raise BadOption(
+            f"the strategy {asked.strategy} learns rules while it works: ask for learning (`--learn`)"
+        )
     if asked.structure and asked.learning is None:
-        raise BadOption("structure is what of the rules is learned: ask for learning as well")
+        raise BadOption("structure is what of the rules is learned: ask for learning as well (`--learn`)")
     if asked.is_taught and not STRATEGIES[asked.strategy].learns_rules:
         raise BadOption(f"a teacher is for the strategy explore, and {asked.strategy} asks nobody")
     if asked.structure and asked.optimism != "prior":
@@ -101,7 +104,9 @@ def _check_optimism(asked: EpisodeOptions) -> None:
     if asked.optimism == "prior":
         return
     if asked.learning is None:
-        raise BadOption(f"optimism {asked.optimism} is about rules that are being learned: ask for learning")
+        raise BadOption(
+            f"optimism {asked.optimism} is about rules that are being learned: ask for learning (`--learn`)"
+        )
     if STRATEGIES[asked.strategy].planner is None:
         raise BadOption(f"optimism {asked.optimism} is for plans, and the strategy {asked.strategy} has none")
 
@@ -129,6 +134,8 @@ def refuse_impossible(inputs: Inputs) -> None:
         raise BadOption(f"--strategy {options.strategy} goes by places, which only a scene has")
     if inputs.world is not None:
         _check_world(inputs, inputs.world)
+    elif isinstance(given, Problem) and options.structure:  # of a domain that may be a vocabulary alone
+        check_acts(inputs.domain)
     if inputs.teacher is not None and isinstance(given, Problem):
         refuse_unlike(inputs.domain, inputs.teacher.model, given, inputs.sources, inputs.teacher.sources)
     if isinstance(given, Scene) and options.is_taught:

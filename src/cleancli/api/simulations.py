@@ -8,7 +8,7 @@ from itertools import chain
 from pathlib import Path
 
 from cleancli.api.asked import Asked, named
-from cleancli.api.checks import check_least, check_one_of
+from cleancli.api.checks import check_acts, check_least, check_one_of
 from cleancli.api.goals import first_and_longer, is_hopeless
 from cleancli.api.inputs import (
     GivenDomain,
@@ -170,8 +170,7 @@ def batch(
         acting = world.model
         refuse_unlike(looked.domain, acting, looked.problem, given.domain.sources, world.sources)
     if acts.explores and world is given.domain:
-        if not acting.rules:
-            raise BadOption("the domain has no rules: name those by which the world acts", "--world")
+        check_acts(acting)
         believed = replace(believed, rules=(), default=(), parameters=(), learned=None)
     return Batch(
         believed,
