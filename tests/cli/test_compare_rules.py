@@ -13,6 +13,7 @@ from cleancli.cli.main import run
 
 PAGE = (Path(__file__).parents[2] / "docs" / "comparing-rules.md").read_text(encoding="utf-8")
 WHOLE, RULE = re.findall(r"^```nid\n(.*?)^```$", PAGE, re.M | re.S)
+PAYING = WHOLE.replace("0.1: spilt()", "0.1: spilt(), reward -= 2, cost += 1/2")
 
 
 @pytest.fixture(autouse=True)
@@ -105,3 +106,39 @@ def test_a_mistake_in_either_file_is_told(capsys: pytest.CaptureFixture[str]) ->
         assert "error[" in capsys.readouterr().err
     with pytest.raises(ValueError, match="`states`: 0 is not in the range"):
         cleancli.compare_rules("tea.nid", "tea.nid", states=0)
+
+
+def test_what_outcomes_pay_is_compared(capsys: pytest.CaptureFixture[str]) -> None:
+    """A result is what changes and what is paid for it, in the text and in TV, and stands in the witness."""
+    Path("paying.nid").write_text(PAYING, encoding="utf-8")
+    assert run(["compare-rules", "paying.nid", "tea.nid", "--limit", "0"]) == 1
+    told = capsys.readouterr().out
+    pour = next(line.split() for line in told.splitlines() if line.startswith("pour"))
+    assert pour == ["pour", "pour", "pour", "other", pour[4], "0.1000", "0.1000"]
+    assert "0.1: spilt(), reward -= 2, cost += 0.5\n" in told
+    assert "1 rule of 2 and 2 say the same" in told
+    assert run(["compare-rules", "paying.nid", "paying.nid", "--limit", "0"]) == 0
+
+
+@pytest.mark.parametrize(
+    ("old", "new", "said"),
+    [
+        ("pour(?c - cup)", "pour(?c - cup) [cost = 2]", "pour costs 0 in the first and 2 in the second"),
+        (
+            "pour(?c - cup)",
+            "pour(?c - cup) [duration = 4 s]",
+            "pour lasts no time that is said in the first and 4 s in the second",
+        ),
+        (
+            "decrease(empty)",
+            "2 * decrease(empty)",
+            "the reward is `decrease(empty)` in the first and `2 * decrease(empty)` in the second",
+        ),
+    ],
+)
+def test_what_no_rule_says_is_told_beside_the_total_variation(old: str, new: str, said: str) -> None:
+    found = cleancli.compare_rules("tea.nid", WHOLE.replace(old, new, 1), states=20)
+    assert found.notes[-1] == f"{said}, beside TV"
+    assert found.to_dict()["notes"] == list(found.notes)
+    assert found.variation == 0
+    assert {each.likeness for each in found.rules} == {"same"}

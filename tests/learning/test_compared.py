@@ -100,6 +100,8 @@ def test_a_domain_compared_with_itself_says_the_same() -> None:
         ("with ?k - key: held(?k), fits(?k, ?d)", "with ?k - key: fits(?k, ?d), held(?k)", Likeness.SAME),
         ("bent(?k), not held(?k)", "not held(?k), bent(?k)", Likeness.SAME),
         ("0.2: bent(?k)", "0.25: bent(?k)", Likeness.PROBABILITIES),
+        ("0.2: bent(?k)", "0.2: bent(?k), reward -= 2", Likeness.OTHER),
+        ("0.2: bent(?k)", "0.2: bent(?k), cost += 2", Likeness.OTHER),
         ("bent(?k), not held(?k)", "bent(?k)", Likeness.OTHER),
         ("when not jammed(?d), not open(?d)", "when not open(?d)", Likeness.OTHER),
         ("with ?k - key: held(?k), fits(?k, ?d)", "with ?k - key: held(?k)", Likeness.OTHER),

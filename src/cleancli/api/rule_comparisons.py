@@ -3,8 +3,8 @@
 from __future__ import annotations
 
 import itertools
-from collections.abc import Sequence
-from dataclasses import dataclass
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass, replace
 from pathlib import Path
 
 import numpy as np
@@ -18,13 +18,19 @@ from cleancli.api.tables import TextTable, preformatted, shown
 from cleancli.compiler.fluents import Values
 from cleancli.compiler.lifted_state import LiftedRules
 from cleancli.language.diagnostics.plural import plural
-from cleancli.language.model import Domain, Fact
-from cleancli.language.printing.printer import print_fact
+from cleancli.language.model import Action, Domain, Fact, Term, Variable
+from cleancli.language.printing.printer import (
+    print_cost,
+    print_fact,
+    print_float,
+    print_payments,
+    print_reward,
+)
 from cleancli.learning.compared import RulePair, compared
 from cleancli.learning.drawn_states import drawn_states
 from cleancli.learning.experience import Transition, read_experience
 from cleancli.learning.likeness import Likeness, vocabulary_differences
-from cleancli.learning.variation import foretold
+from cleancli.learning.variation import Paid, foretold_paid
 from cleancli.planning.plan import BadOption
 
 DRAWN = 1000
@@ -33,7 +39,7 @@ DRAWN = 1000
 
 @dataclass(frozen=True, slots=True)
 class ForetoldChange:
-    """What may change, each as an effect is written, and how likely; nothing where it is empty."""
+    """What may change and be paid, each as an effect is written, and how likely; empty where nothing is."""
 
     probability: float
     changes: tuple[str, ...]
@@ -81,7 +87,8 @@ class RulesComparison:
 
     def to_dict(self) -> dict[str, object]:
         """The same as `cleancli compare-rules --json` prints."""
-        return {"variation": self.variation, "states": self.states, "rules": plain(self.rules)}
+        told = {"rules": plain(self.rules), "notes": list(self.notes)}
+        return {"variation": self.variation, "states": self.states, **told}
 
     def table(self) -> TextTable:
         """A row for each pair of rules."""
@@ -178,8 +185,39 @@ def comparison(
         )
     same = sum(pair.likeness is Likeness.SAME for pair in found.pairs)
     notes.append(f"{plural(same, 'rule')} of {len(one.rules)} and {len(other.rules)} say the same")
+    notes += _beside_rules(one, other)
     rules = tuple(_row(one, other, pair) for pair in found.pairs)
     return RulesComparison(rules, found.states, round(found.variation, 6), tuple(notes))
+
+
+def _beside_rules(one: Domain, other: Domain) -> Iterator[str]:
+    """What pays or takes otherwise without being said by rules: the costs and durations of actions, and the
+    reward."""
+    seconds = {action.name: action for action in other.actions}
+    for action in one.actions:
+        like = _as_named(seconds[action.name], action.parameters)
+        pairs = ("costs", _cost(action), _cost(like)), ("lasts", _lasting(action), _lasting(like))
+        for does, first, second in pairs:
+            if first != second:
+                yield f"{action.name} {does} {first} in the first and {second} in the second, beside TV"
+    rewards = [print_reward(sorted(domain.reward, key=str)) for domain in (one, other)]
+    if rewards[0] != rewards[1]:
+        yield f"the reward is `{rewards[0]}` in the first and `{rewards[1]}` in the second, beside TV"
+
+
+def _as_named(action: Action, parameters: Sequence[Variable]) -> Action:
+    """The action with parameters of other names."""
+    terms: dict[Term, Term] = dict(zip(action.parameters, parameters, strict=True))
+    parts = (replace(e, terms=tuple(terms.get(each, each) for each in e.terms)) for e in action.cost_parts)
+    return replace(action, cost_parts=tuple(parts))
+
+
+def _cost(action: Action) -> str:
+    return print_cost(replace(action, cost_parts=tuple(sorted(action.cost_parts, key=str))))
+
+
+def _lasting(action: Action) -> str:
+    return "no time that is said" if action.duration is None else f"{print_float(action.duration)} s"
 
 
 def _row(one: Domain, other: Domain, pair: RulePair) -> ComparedRules:
@@ -208,10 +246,11 @@ def _facts(values: Values) -> tuple[str, ...]:
 
 def _foretold(domain: Domain, transition: Transition) -> tuple[ForetoldChange, ...]:
     """What a domain foretells, the likeliest first."""
-    likely = foretold(LiftedRules(domain), transition)
-    found = [
-        ForetoldChange(round(share, 6), tuple(sorted(effect_text(*key, value) for key, value in changes)))
-        for changes, share in likely.items()
-        if share
-    ]
+    likely = foretold_paid(LiftedRules(domain), transition)
+    found = [ForetoldChange(round(share, 6), _effects(result)) for result, share in likely.items() if share]
     return tuple(sorted(found, key=lambda each: (-each.probability, each.changes)))
+
+
+def _effects(result: Paid) -> tuple[str, ...]:
+    changes = sorted(effect_text(*key, value) for key, value in result.changes)
+    return (*changes, *print_payments(result.reward, result.cost))

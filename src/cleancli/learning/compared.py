@@ -1,7 +1,7 @@
 """Rules of two domains side by side: which say the same, and in which states what they foretell differs.
 
 Both domains have one vocabulary (`vocabulary_differences`). A state comes with an action in it, as a
-transition whose state after is not looked at.
+transition whose state after is not looked at. What an outcome pays belongs to what is foretold.
 """
 
 from __future__ import annotations
@@ -18,7 +18,7 @@ from cleancli.language.diagnostics.refused import Refused
 from cleancli.language.model import Domain, Object
 from cleancli.learning.experience import Transition
 from cleancli.learning.likeness import Likeness, likeness
-from cleancli.learning.variation import distance, foretold
+from cleancli.learning.variation import distance, foretold_paid
 
 
 @dataclass(frozen=True, slots=True)
@@ -133,7 +133,7 @@ def _covering(rules: LiftedRules, transition: Transition) -> int | None:
 
 
 def _distance(both: tuple[LiftedRules, LiftedRules], transition: Transition) -> float:
-    first, second = (foretold(rules, transition) for rules in both)
+    first, second = (foretold_paid(rules, transition) for rules in both)
     return distance(first, second)
 
 

@@ -73,8 +73,8 @@ _Says = Mapping[object, Fraction]
 
 
 def _canonical(domain: Domain, rule: Rule) -> tuple[object, _Says]:
-    """What a rule asks for, and how likely it says that what happens; variables are numbered as they come,
-    and what is in any order is a set."""
+    """What a rule asks for, and how likely it says that what happens and is paid; variables are numbered as
+    they come, and what is in any order is a set."""
     symmetric = {symbol.name for symbol in domain.symbols if symbol.symmetric}
     names: dict[Term, str] = {each: f"?{number}" for number, each in enumerate(rule.variables)}
     asked: list[object] = [_condition(rule.condition, names, symmetric)]
@@ -84,7 +84,7 @@ def _canonical(domain: Domain, rule: Rule) -> tuple[object, _Says]:
         asked.append((types, _condition(reference.condition, names, symmetric)))
     says: dict[object, Fraction] = {}
     for outcome in rule.outcomes:
-        key = outcome.kind, _effects(outcome, names, symmetric)
+        key = outcome.kind, _effects(outcome, names, symmetric), outcome.reward, outcome.cost
         says[key] = says.get(key, Fraction(0)) + outcome.probability
     return tuple(asked), {key: share for key, share in says.items() if share}
 

@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
+from fractions import Fraction
+from typing import NamedTuple, TypeVar
 
 from cleancli.compiler.conflict import results
 from cleancli.compiler.fluents import Fluent
@@ -10,27 +12,48 @@ from cleancli.compiler.lifted_state import LiftedRules
 from cleancli.language.model import Domain, Value
 from cleancli.learning.experience import Transition
 
-Distribution = Mapping[frozenset[tuple[Fluent, Value]], float]
-"""What may change, and how likely: the fluents that get other values, with these."""
+Changes = frozenset[tuple[Fluent, Value]]
+"""The fluents that get other values, with these."""
 
 
-def foretold(rules: LiftedRules, transition: Transition) -> Distribution:
-    """What rules say that an action changes in a state, and how likely; noise changes nothing."""
+class Paid(NamedTuple):
+    """What an outcome changes in a state, and what it pays beside."""
+
+    changes: Changes
+    reward: Fraction = Fraction(0)
+    cost: Fraction = Fraction(0)
+
+
+_Result = TypeVar("_Result")
+
+
+def foretold(rules: LiftedRules, transition: Transition) -> Mapping[Changes, float]:
+    """What rules say that an action changes in a state, whatever it pays, and how likely."""
+    likely: dict[Changes, float] = {}
+    for result, share in foretold_paid(rules, transition).items():
+        likely[result.changes] = likely.get(result.changes, 0.0) + share
+    return likely
+
+
+def foretold_paid(rules: LiftedRules, transition: Transition) -> Mapping[Paid, float]:
+    """What rules say that an action changes in a state and what its outcomes pay, and how likely; noise
+    changes nothing."""
     state = rules.state(transition.objects, transition.before)
     found = rules.covering(state, transition.action, transition.arguments)
     if found is None:
-        return {frozenset(): 1.0}
+        return {Paid(frozenset()): 1.0}
     number, names = found
-    likely: dict[frozenset[tuple[Fluent, Value]], float] = {}
+    likely: dict[Paid, float] = {}
     outcomes = rules.domain.rules[number].outcomes
     for outcome, changes in zip(outcomes, results(rules, state, number, names), strict=True):
         before = {key: transition.before.get(key, rules.meaning.missing(key[0])) for key in changes}
         moved = frozenset((key, value) for key, value in changes.items() if before[key] != value)
-        likely[moved] = likely.get(moved, 0.0) + float(outcome.probability)
+        result = Paid(moved, outcome.reward, outcome.cost)
+        likely[result] = likely.get(result, 0.0) + float(outcome.probability)
     return likely
 
 
-def distance(one: Distribution, other: Distribution) -> float:
+def distance(one: Mapping[_Result, float], other: Mapping[_Result, float]) -> float:
     """The total variation of two distributions: half of what their probabilities differ by in all."""
     keys = one.keys() | other.keys()
     return sum(abs(one.get(key, 0.0) - other.get(key, 0.0)) for key in keys) / 2

@@ -65,7 +65,7 @@ def print_domain(domain: Domain) -> str:
         _block("actions", [_action(action) for action in domain.actions]),
         *(print_rule(rule, symbols) for rule in domain.rules),
         print_default(domain.default, symbols),
-        _block("reward", [_reward(domain.reward)]),
+        _block("reward", [print_reward(domain.reward)]),
         "" if domain.learned is None else print_learned(domain.learned),
     ]
     return f"domain {domain.name} {{\n" + "\n".join(block for block in blocks if block) + "}\n"
@@ -351,7 +351,8 @@ def _parameter(parameter: Parameter) -> str:
     return f"{parameter.name} = {print_fraction(parameter.probability)}{marks}"
 
 
-def _reward(terms: tuple[RewardTerm, ...]) -> str:
+def print_reward(terms: Sequence[RewardTerm]) -> str:
+    """The sum of its terms, `2 * decrease(dirty_areas) - cost`."""
     first, *others = terms
     shown = f"{'-' if first.weight < 0 else ''}{_reward_term(first)}"
     return shown + "".join(f" {'-' if t.weight < 0 else '+'} {_reward_term(t)}" for t in others)
