@@ -106,7 +106,7 @@ def test_a_random_agent_stays_within_the_spaces_and_is_truncated(actions: str, f
         assert info["clock"] == pytest.approx(clock + info["seconds"])
         assert info["seconds"] > 1
         clock = info["clock"]
-    assert terminated == (not info["areas"])
+    assert terminated == info["is_success"] == (not info["areas"])
     where = [info["truth"][place] for place in ("on_table", "in_container", "in_dustpan", "on_floor")]
     assert sum(where) == info["truth"]["particles"] == 10
     env.close()
@@ -122,10 +122,12 @@ def test_the_table_can_be_cleaned_and_then_the_episode_ends(few: str) -> None:
             for number, (name, _) in enumerate(table.choices)
             if name == "moveToContainerStraight" and info["action_mask"][number]
         ]
+        assert not info["is_success"]
         observation, _, terminated, _, info = env.step(pushes[0])
         if terminated:
             break
     assert terminated
+    assert info["is_success"]
     assert info["areas"] == []
     assert not observation["present"].any()
     assert info["truth"]["on_table"] == 0

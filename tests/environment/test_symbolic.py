@@ -190,6 +190,7 @@ def test_each_of_many_goes_as_one_alone_with_its_seed(lamps: str) -> None:
             assert step[0].tolist() == observation[place].tolist()
             assert step[1:4] == (rewards[place], terminated[place], truncated[place])
             assert step[4]["action_mask"].tolist() == info["action_mask"][place].tolist()
+            assert step[4]["is_success"] == info["is_success"][place]
         ended = terminated | truncated
 
 
@@ -215,10 +216,39 @@ def test_an_episode_may_begin_anew_at_once(lamps: str) -> None:
             assert info["final_obs"][place].tolist() == expected_info["final_obs"][place].tolist()
             masks = info["final_info"]["action_mask"], expected_info["final_info"]["action_mask"]
             assert masks[0][place].tolist() == masks[1][place].tolist()
+            succeeded = info["final_info"]["is_success"], expected_info["final_info"]["is_success"]
+            assert succeeded[0][place] == succeeded[1][place]
             ends += 1
     assert ends > 20
     with pytest.raises(ValueError, match="autoreset_mode"):
         SymbolicVector(2, lamps, autoreset_mode=AutoresetMode.DISABLED)
+
+
+@pytest.mark.parametrize("goal", ["", "lit(a), lit(b)"])
+def test_an_episode_succeeds_where_nothing_is_left_to_do(lamps: str, goal: str) -> None:
+    """Also one with a goal that ends otherwise: both lamps are broken, and nobody can shout any more."""
+    problem = with_goal(lamps, goal) if goal else lamps
+    env, rng = many(problem, 100, max_actions=12), np.random.default_rng(3)
+    lit = [env.facts.index(f"lit({name})") for name in "ab"]
+    observation, info = env.reset(seed=1)
+    assert not info["is_success"].any()
+    ended, seen = np.zeros(100, bool), set()
+    for _ in range(30):
+        observation, _, terminated, truncated, info = env.step(random_actions(env, info, rng))
+        done = (observation[:, lit] == 1).all(axis=1) & ~ended
+        assert info["is_success"].tolist() == done.tolist()
+        ended = terminated | truncated
+        seen |= set(zip(terminated[ended].tolist(), done[ended].tolist(), strict=True))
+    assert seen == {(True, True), (True, False), (False, False)}
+
+
+def test_the_numbers_of_an_observation_have_names(lamps: str) -> None:
+    env = single(lamps)
+    assert set(env.facts) == {"lit(a)", "lit(b)", "broken(a)", "broken(b)", "dark()"}
+    observation, _ = env.reset(seed=1)
+    facts, _ = single(lamps, observation="facts").reset(seed=1)
+    assert dict(zip(env.facts, observation.tolist(), strict=True)) == facts
+    assert many(lamps, 2).facts == env.facts
 
 
 def test_a_goal_that_cannot_be_reached_ends_nothing_but_the_patience(lamps: str) -> None:

@@ -63,13 +63,13 @@ class Batch:
     """States of one task, each in an episode of its own.
 
     `states` (N, V): value indices; `steps` (N,): actions since the episode began; `rewards`, `terminated`,
-    `truncated` (N,) and `masks` (N, A): what the last step came to, and which actions a rule covers now. All
-    are overwritten by the next step.
+    `truncated`, `succeeded` (N,) and `masks` (N, A): what the last step came to, and which actions a rule
+    covers now. All are overwritten by the next step.
 
-    An episode is over where the goal holds, or without one nothing is left of the count that the reward wants
-    decreased, or no rule covers any action any more; it is cut off after `most` actions. What the state
-    would be paid for the actions that are left then is paid at once, so that the rewards of an episode add up
-    to the plain return of `cleancli simulate`.
+    An episode has succeeded where the goal holds, or without one nothing is left of the count that the reward
+    wants decreased. It is over then, or where no rule covers any action any more; it is cut off after `most`
+    actions. What the state would be paid for the actions that are left then is paid at once, so that the
+    rewards of an episode add up to the plain return of `cleancli simulate`.
     """
 
     def __init__(self, problem: Opened, number: int, most: int) -> None:
@@ -84,6 +84,7 @@ class Batch:
         self.rewards: Floats = np.zeros(number)
         self.terminated: Bools = np.zeros(number, np.bool_)
         self.truncated: Bools = np.zeros(number, np.bool_)
+        self.succeeded: Bools = np.zeros(number, np.bool_)
         self.masks: Masks = np.zeros((number, len(task.actions)), np.int8)
         self._streams = np.zeros(number, np.uint64)
         self._standing: Floats = np.zeros(number)
@@ -97,8 +98,10 @@ class Batch:
             begin(self._streams[place : place + 1], np.array([seed % 2**64], np.uint64))
 
     def restart(self, which: Bools) -> None:
-        """Begin these episodes anew, (N,); the draws go on. What the last step came to stays."""
+        """Begin these episodes anew, (N,), which have not succeeded; the draws go on. What the last step came
+        to stays otherwise."""
         self.states[which], self.steps[which], self.masks[which] = self._initial, 0, self._first_masks
+        self.succeeded[which] = False
 
     def step(self, actions: Ints, anew: Bools) -> None:
         """Carry out an action of each episode, (N,), each a number of the task's actions; one that no rule
@@ -108,12 +111,12 @@ class Batch:
         self.steps += 1
         self.steps[anew] = 0
         covered_each(self._process, self.states, self.masks)
-        any_holds_each(self._process, self.states, self._ends, self.terminated)
+        any_holds_each(self._process, self.states, self._ends, self.succeeded)
         if self._is_endless:
-            self.terminated[:] = False
+            self.succeeded[:] = False
         elif self._ends_if_none:
-            np.logical_not(self.terminated, out=self.terminated)
-        self.terminated |= ~self.masks.any(axis=1)
-        self.terminated &= ~anew
+            np.logical_not(self.succeeded, out=self.succeeded)
+        self.succeeded &= ~anew
+        np.logical_or(self.succeeded, ~self.masks.any(axis=1) & ~anew, out=self.terminated)
         np.logical_and(~self.terminated, self.steps >= self._most, out=self.truncated)
         self.rewards += self.terminated * self._standing * (self._most - self.steps)

@@ -96,7 +96,7 @@ class CleanTable(gymnasium.Env[Arrays, Any]):
         self._slots = self._empty
         self._looks, self._sight = 0, self._session.cell.look(None, None, 0, 0)
         self._tell()
-        return self._observation(), self._info(0.0, "") | {"seed": chosen}
+        return self._observation(), self._info(0.0, "", False) | {"seed": chosen}
 
     def step(self, action: Any) -> tuple[Arrays, float, bool, bool, Info]:
         """Carry out one action, withdraw the tool and look.
@@ -118,7 +118,8 @@ class CleanTable(gymnasium.Env[Arrays, Any]):
             self._look(None)
         after = self._sight.situation
         reward = float(len(before.areas) - len(after.areas))
-        return self._observation(), reward, not after.areas, False, self._info(started, failure)
+        is_clean = not after.areas
+        return self._observation(), reward, is_clean, False, self._info(started, failure, is_clean)
 
     def action_masks(self) -> Bools:
         """Which of `choices` a rule covers now, (A,): what sb3-contrib's MaskablePPO asks for. Raises
@@ -178,13 +179,14 @@ class CleanTable(gymnasium.Env[Arrays, Any]):
             arrays["image"] = _colour(self._sight).copy()
         return arrays
 
-    def _info(self, started: float, failure: str) -> Info:
+    def _info(self, started: float, failure: str, is_clean: bool) -> Info:
         """What is no observation: robot time, names, and which actions make sense now."""
         session = self._running()
         info: Info = {
             "seconds": session.cell.clock - started,
             "clock": session.cell.clock,
             "failure": failure,
+            "is_success": is_clean,
             "areas": [area.name for area in self._sight.situation.areas],
             "slots": list(self._slots),
         }

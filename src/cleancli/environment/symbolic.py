@@ -48,7 +48,7 @@ class Symbolic(gymnasium.Env[Any, np.int64]):
             raise ValueError(f'render_mode must be None or "ansi", not {render_mode!r}')
         found = _checked(problem, domain, observation, max_actions)
         self.task, self.observation, self.render_mode = found.task, observation, render_mode
-        self.choices = choices(self.task)
+        self.choices, self.facts = choices(self.task), facts(self.task)
         self.observation_space, self.action_space = _spaces(self.task, observation)
         self._batch = Batch(found, 1, max_actions)
         self._begun = False
@@ -82,10 +82,10 @@ class Symbolic(gymnasium.Env[Any, np.int64]):
         """The facts that hold now, a line each; None without `render_mode`."""
         if self.render_mode is None:
             return None
-        told = zip(self.task.variables, self._batch.states[0].tolist(), strict=True)
-        facts = ((fact_name(variable), variable.values[value]) for variable, value in told)
+        told = zip(self.facts, self.task.variables, self._batch.states[0].tolist(), strict=True)
+        values = ((name, variable.values[value]) for name, variable, value in told)
         shown = (
-            name if value is True else f"{name} = {value}" for name, value in facts if value is not False
+            name if value is True else f"{name} = {value}" for name, value in values if value is not False
         )
         return "\n".join(sorted(shown))
 
@@ -93,7 +93,7 @@ class Symbolic(gymnasium.Env[Any, np.int64]):
         return _of_one(_observed(self.task, self.observation, self._batch.states), 0)
 
     def _info(self) -> Info:
-        return {"action_mask": self._batch.masks[0].copy()}
+        return {"action_mask": self._batch.masks[0].copy(), "is_success": bool(self._batch.succeeded[0])}
 
 
 class SymbolicVector(VectorEnv[Any, Ints, Any]):
@@ -125,7 +125,8 @@ class SymbolicVector(VectorEnv[Any, Ints, Any]):
             raise ValueError('autoreset_mode must be "NextStep" or "SameStep"')
         found = _checked(problem, domain, observation, max_actions)
         self.task, self.observation, self.num_envs = found.task, observation, num_envs
-        self.choices, self.render_mode = choices(self.task), render_mode
+        self.choices, self.facts = choices(self.task), facts(self.task)
+        self.render_mode = render_mode
         self.metadata = self.metadata | {"autoreset_mode": mode}
         self._begins_at_once = mode is AutoresetMode.SAME_STEP
         self.single_observation_space, self.single_action_space = _spaces(self.task, observation)
@@ -188,16 +189,23 @@ class SymbolicVector(VectorEnv[Any, Ints, Any]):
         states = _observed(self.task, self.observation, self._batch.states)
         for place in np.flatnonzero(over):
             last[place] = _of_one(states, int(place))
-        told = self._info() | {"_action_mask": over}
+        told = self._info() | {"_action_mask": over, "_is_success": over}
         return {"final_obs": last, "_final_obs": over, "final_info": told, "_final_info": over}
 
     def _info(self) -> Info:
-        return {"action_mask": self._batch.masks.copy(), "_action_mask": self._all}
+        masks, succeeded = self._batch.masks.copy(), self._batch.succeeded.copy()
+        both = {"action_mask": masks, "_action_mask": self._all}
+        return both | {"is_success": succeeded, "_is_success": self._all}
 
 
 def choices(task: Task) -> tuple[str, ...]:
     """What each action of the action space is: `push(a1)`."""
     return tuple(str(action) for action in task.actions)
+
+
+def facts(task: Task) -> tuple[str, ...]:
+    """What each number of the observation is of: `dirt(a1)`."""
+    return tuple(map(fact_name, task.variables))
 
 
 def _checked(problem: str, domain: str | None, observation: str, max_actions: int) -> Opened:
@@ -212,10 +220,10 @@ def _spaces(task: Task, observation: Observed) -> tuple[spaces.Space[Any], space
     actions = spaces.Discrete(len(task.actions))
     if observation == "array":
         return spaces.MultiDiscrete([len(variable.values) for variable in task.variables]), actions
-    facts: dict[str, spaces.Space[Any]] = {
+    numbers: dict[str, spaces.Space[Any]] = {
         fact_name(variable): spaces.Discrete(len(variable.values)) for variable in task.variables
     }
-    return spaces.Dict(facts), actions
+    return spaces.Dict(numbers), actions
 
 
 def _observed(task: Task, observation: Observed, states: Ints) -> Any:
@@ -223,7 +231,7 @@ def _observed(task: Task, observation: Observed, states: Ints) -> Any:
     values = states.astype(np.int64)
     if observation == "array":
         return values
-    return {fact_name(variable): values[:, place] for place, variable in enumerate(task.variables)}
+    return {name: values[:, place] for place, name in enumerate(facts(task))}
 
 
 def _of_one(observations: Any, place: int) -> Any:
