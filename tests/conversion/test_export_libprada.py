@@ -334,3 +334,20 @@ def test_the_command_writes_a_folder_that_it_reads(
     assert "`b1` is called `11` there" in out
     back = ["convert", str(tmp_path / "out"), "--out", str(tmp_path / "back"), "--reward", "decrease(wets)"]
     assert run(back) == 0
+
+
+def test_probabilities_that_are_no_decimals_sum_to_1() -> None:
+    """Rounded one by one, two thirds and two sixths would sum to more."""
+    text = """
+domain d {
+  predicates { p() q() r() }
+  reward     { goal }
+  actions    { a() }
+  rule a: a() { when not p() then 2/3: p() 1/6: q() 1/6: r() }
+}
+"""
+    domain = load_domain(Source("d.nid", text))
+    text = "problem p { domain = d init { } goal { p() } horizon = 3 }"
+    (rule,) = library_of(written(domain, load_problem(Source("p.nid", text), domain))).rules
+    digits = [result.probability * 10**15 for result in rule.results]
+    assert digits == [666_666_666_666_666, 166_666_666_666_667, 166_666_666_666_667]

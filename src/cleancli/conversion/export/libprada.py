@@ -313,11 +313,13 @@ def _referred(rule: Rule) -> tuple[tuple[Variable, ...], Mapping[Term, Term]]:
 
 
 def _rule(action: str, context: str, outcomes: Sequence[tuple[Fraction, str]]) -> str:
-    lines = [f"  {_number(chance)} {text}" for chance, text in outcomes]
+    numbers = _decimals([chance for chance, _ in outcomes])
+    lines = [f"  {number} {text}" for number, (_, text) in zip(numbers, outcomes, strict=True)]
     return "\n".join(["ACTION:", f"  {action}", "CONTEXT:", f"  {context}", "OUTCOMES:", *lines, ""])
 
 
-def _number(value: Fraction) -> str:
-    """A decimal, rounded where there is no exact one."""
-    exact = Decimal(value.numerator) / Decimal(value.denominator)
-    return format(round(exact, _DIGITS).normalize(), "f")
+def _decimals(chances: Sequence[Fraction]) -> list[str]:
+    """Probabilities as decimals that sum to 1, too: where some are rounded, the greatest makes up for it."""
+    rounded = [round(Decimal(each.numerator) / Decimal(each.denominator), _DIGITS) for each in chances]
+    rounded[rounded.index(max(rounded))] += 1 - sum(rounded)
+    return [format(each.normalize(), "f") for each in rounded]
