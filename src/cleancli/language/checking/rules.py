@@ -19,6 +19,7 @@ from cleancli.language.checking.symbols import read_marks
 from cleancli.language.diagnostics.diagnostic import Span
 from cleancli.language.diagnostics.plural import plural
 from cleancli.language.model import Action, Assign, ForAll, Outcome, Reference, Rule, Shift, Term, Variable
+from cleancli.language.printing.printer import print_signature
 
 
 def check_rules(node: syntax.DomainNode, scope: Scope) -> tuple[Rule, ...]:
@@ -95,6 +96,7 @@ def _action(node: syntax.RuleNode, scope: Scope) -> Action | None:
             "E208",
             f"`{action.name}` takes {plural(wants, 'variable')}, not {len(node.terms)}",
             Span(node.span.path, node.action.span.start, (node.terms or (node.action,))[-1].span.end),
+            help=f"it is declared as `{print_signature(action.name, action.parameters)}`",
         )
         return action if len(node.terms) > wants else None  # what it lacks is bound nowhere in the rule
     return action
