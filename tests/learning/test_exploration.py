@@ -18,6 +18,7 @@ from cleancli.learning.exploration.explored import UNCOVERED, Explored, Explored
 from cleancli.learning.exploration.parts import signed
 from cleancli.learning.exploration.seeking import hopes_of, next_try, optimistic
 from cleancli.learning.exploration.worth import NEAR, OTHERWISE, UNCHANGED, UNTRIED, Try, least_worth, tries
+from cleancli.learning.method import Method
 from cleancli.planning.plan import Options
 from cleancli.planning.registry import PLANNERS
 from support.hidden_rules import domain_of, starts
@@ -152,6 +153,88 @@ def test_what_was_explored_depends_on_the_transitions_alone(name: str) -> None:
 def test_rules_of_a_domain_count_until_there_is_experience() -> None:
     domain = domain_of("locks")
     assert explored(domain, []).domain.rules == domain.rules
+
+
+LAMPS = """\
+domain lamps {
+  types      { lamp }
+  predicates { lit(?l - lamp) }
+  parameters { often = 0.9 }
+  derived    { dark := count ?l - lamp: not lit(?l) }
+  actions    { light(?l - lamp)  snuff(?l - lamp)  swap(?l - lamp) }
+  rule light: light(?l) { when not lit(?l) then 0.9%s: lit(?l) rest%s: nothing }
+  rule snuff: snuff(?l) { when lit(?l) then often: not lit(?l) rest: nothing }
+  rule swap:  swap(?l)  { when lit(?l) then often: not lit(?l) rest: nothing }
+  reward     { decrease(dark) }
+}
+"""
+
+
+def lamps(light: str = "", rest: str = "") -> Domain:
+    return load_domain(Source("lamps.nid", LAMPS % (light, rest)))
+
+
+def switched(action: str, before: bool, after: bool, times: int) -> list[Transition]:
+    lit = [{("lit", ("l1",)): holds} for holds in (before, after)]
+    return [Transition(action, ("l1",), LAMP, lit[0], lit[1])] * times
+
+
+def likely(found: Explored) -> dict[str, float]:
+    """How likely the first outcome of each rule is."""
+    return {rule.name: float(rule.outcomes[0].probability) for rule in found.domain.rules}
+
+
+def test_rules_that_stay_have_the_probabilities_that_experience_tells() -> None:
+    """By eq. 5, from those of the text: 40 of 100 are taken to be 0.4 and a little more. The rule stays, and
+    so does that of an action that was not carried out."""
+    given = switched("light", False, True, 40) + switched("light", False, False, 60)
+    found = explored(lamps(), given)
+    learned = found.actions["light"].learned
+    weight = 10 / math.sqrt(learned)
+    by_equation = (40 + weight * 0.9) / (learned + weight)
+    assert learned > 90
+    assert likely(found) == {"light": pytest.approx(by_equation, abs=1e-4), "snuff": 0.9, "swap": 0.9}
+    (rule,) = found.actions["light"].rules
+    assert rule in found.domain.rules
+    assert rule.condition == lamps().rules[0].condition
+
+
+def test_what_the_text_has_counted_counts_on_and_what_is_fixed_stays() -> None:
+    given = switched("light", False, True, 40) + switched("light", False, False, 60)
+    counted = explored(lamps(" [prior 0.9, seen 900]", " [seen 100]"), given)
+    learned = counted.actions["light"].learned
+    weight = 10 / math.sqrt(1000 + learned)
+    by_equation = (940 + weight * 0.9) / (1000 + learned + weight)
+    assert likely(counted)["light"] == pytest.approx(by_equation, abs=1e-4)
+    assert likely(explored(lamps(" [fixed]"), given))["light"] == 0.9
+
+
+def test_a_shared_parameter_pools_the_examples_of_all_actions() -> None:
+    """One action was carried out; the rule of the other says of it what was learned, too."""
+    found = explored(lamps(), switched("snuff", True, False, 30) + switched("snuff", True, True, 30))
+    told = likely(found)
+    assert told["snuff"] == told["swap"]
+    assert told["snuff"] < 0.6
+
+
+def test_another_estimator_is_used_where_it_is_asked_for() -> None:
+    given = switched("light", False, True, 40) + switched("light", False, False, 60)
+    found = explored(lamps(), given, None, Method("likelihood"))
+    learned = found.actions["light"].learned
+    assert likely(found)["light"] == pytest.approx(40 / learned, abs=1e-4)
+
+
+def test_probabilities_of_rules_that_stay_depend_on_the_transitions_alone() -> None:
+    given = [
+        *switched("light", False, True, 9),
+        *switched("snuff", True, True, 7),
+        *switched("light", False, False, 17),
+        *switched("swap", True, False, 11),
+    ]
+    slowly = explored(lamps(), [])
+    for number in range(len(given)):
+        slowly = explored(lamps(), given[: number + 1], slowly)
+    assert slowly.domain == explored(lamps(), given).domain
 
 
 def drawn(name: str, seed: int, number: int) -> tuple[Domain, list[Transition]]:

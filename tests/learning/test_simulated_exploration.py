@@ -101,6 +101,16 @@ def test_another_world_is_explored_from_the_rules_of_the_domain() -> None:
     assert right.variations == ((0.0,),)
 
 
+def test_wrong_probabilities_of_right_rules_are_learned_while_exploring() -> None:
+    """The rules stay, and what they foretell comes near what is true, from one episode to the next."""
+    Path("wrong.nid").write_text(VOCABULARY % RULES.replace("0.8: open(?d) 0.2", "0.3: open(?d) 0.7"))
+    (off,) = done(10, domain="wrong.nid", world="doors.nid").variations
+    wrong, problem = load_domain(read_source(Path("wrong.nid"))), doors()[1]
+    true = doors()[0]
+    before = variation(wrong, true, pairs(world_of(true, problem), true, problem, np.random.default_rng(3)))
+    assert off[-1] < before / 3
+
+
 def test_several_planners_explore_each_for_itself() -> None:
     both = done(2, planner=["prada+", "sst"])
     assert both.variations[0] == done(2).variations[0]

@@ -18,6 +18,7 @@ from cleancli.api.inputs import (
     load_domain,
     load_problem,
 )
+from cleancli.api.lessons import Counting
 from cleancli.api.plain import fields_of
 from cleancli.api.seen import seen
 from cleancli.api.simulated_experience import write_experience
@@ -145,7 +146,8 @@ class Acts:
     def episodes(self, setup: Batch, number: int) -> Iterator[Judged]:
         """So many episodes, as they come to an end. Raises what planners raise."""
         if self.explores:
-            return explorations(setup, KNOWN if self.known is None else self.known, number)
+            known = KNOWN if self.known is None else self.known
+            return explorations(setup, known, Counting().method(setup.domain), number)
         if self.strategy == RANDOM:
             return wanderings(setup, number)
         return (Judged(played, ()) for played in spread(setup, number, self.jobs))

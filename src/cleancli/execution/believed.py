@@ -49,8 +49,8 @@ def belief(
     """What is believed now: what the evidence teaches beside what the domain's text has counted; or the rules
     that the experience teaches, of which the first transitions were explored `before`."""
     method = setup.options.learning
-    if setup.options.structure:
-        found = explored(setup.domain, experience, before)
+    if setup.options.structure and method is not None:
+        found = explored(setup.domain, experience, before, method)
         return Belief(evidence, found.domain, explored=found)
     if method is None or not evidence.order:
         return Belief(evidence, setup.domain)

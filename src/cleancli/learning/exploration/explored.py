@@ -12,8 +12,13 @@ from cleancli.array_types import Bools, Longs
 from cleancli.compiler.lifted import LiftedState
 from cleancli.compiler.lifted_state import LiftedRules
 from cleancli.language.model import Action, Domain, Rule
+from cleancli.learning.evidence import collected
 from cleancli.learning.experience import Transition
 from cleancli.learning.exploration.parts import Part, held, parts_of
+from cleancli.learning.learn import learned_from
+from cleancli.learning.learn import revised as with_lesson
+from cleancli.learning.match import Matcher
+from cleancli.learning.method import DEFAULT, Method
 from cleancli.learning.structure.arrays import compiled
 from cleancli.learning.structure.induce import revised
 
@@ -44,17 +49,24 @@ class Specific:
 @dataclass(frozen=True, slots=True, eq=False)
 class ExploredAction:
     """An action with its n transitions: the `rules` that the first `learned` of them teach, what held in each
-    of them (`held` of parts.py), by which rule each happened (n,), and which `changed` anything (n,)."""
+    of them (`held` of parts.py), by which rule each happened (n,), and which `changed` anything (n,). The
+    first of the rules are those of the domain that stay, as its text has them `kept`."""
 
     action: Action
     transitions: tuple[Transition, ...]
     learned: int
+    kept: tuple[Rule, ...]
     rules: tuple[Rule, ...]
     parts: tuple[Part, ...]
     held: Bools
     by: Longs
     changed: Bools
     specific: tuple[Specific, ...]
+
+    @property
+    def lesson(self) -> tuple[Transition, ...]:
+        """The transitions that the rules were learned from."""
+        return self.transitions[: self.learned]
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -66,19 +78,51 @@ class Explored:
     number: int
 
 
-def explored(domain: Domain, transitions: Sequence[Transition], before: Explored | None = None) -> Explored:
-    """What transitions have shown of a domain, whose own rules count until others explain more.
+def explored(
+    domain: Domain,
+    transitions: Sequence[Transition],
+    before: Explored | None = None,
+    method: Method = DEFAULT,
+) -> Explored:
+    """What transitions have shown of a domain, whose own rules count until others explain more; the
+    probabilities of those that stay are learned by a `method`.
 
-    It depends on the transitions alone: what was known `before`, of the first of them, saves time.
+    It depends on the transitions alone: what was known `before`, of the first of them, saves time. Raises
+    Refused (E602).
     """
     known = {} if before is None else dict(before.actions)
     new = transitions[0 if before is None else before.number :]
     for name in dict.fromkeys(each.action for each in new):
         own = tuple(each for each in new if each.action == name)
         known[name] = _with(domain, known.get(name), name, own)
-    untouched = tuple(rule for rule in domain.rules if rule.action not in known)
-    learned = tuple(rule for action in domain.actions if (e := known.get(action.name)) for rule in e.rules)
-    return Explored(replace(domain, rules=(*untouched, *learned)), known, len(transitions))
+    if before is not None and _lessons(known) == _lessons(before.actions):
+        return Explored(before.domain, known, len(transitions))
+    return Explored(*_estimated(domain, known, method), len(transitions))
+
+
+def _lessons(known: Mapping[str, ExploredAction]) -> dict[str, int]:
+    return {name: each.learned for name, each in known.items()}
+
+
+def _estimated(
+    domain: Domain, known: Mapping[str, ExploredAction], method: Method
+) -> tuple[Domain, dict[str, ExploredAction]]:
+    """The domain with the rules that are believed, and the actions with theirs: those of the domain that stay
+    have the probabilities that the transitions teach beside what its text has counted, as with `learn
+    --add`."""
+    kept = tuple(r for r in domain.rules if r.action not in known or r in known[r.action].kept)
+    own = replace(domain, rules=kept)
+    seen = [each for e in known.values() for each in e.lesson] if kept else []
+    evidence = collected(Matcher(own, method.is_strict), seen)
+    estimated = with_lesson(own, learned_from(own, evidence, method, adding=True)).rules
+    now = {rule.name: rule for rule in estimated}
+    actions = {
+        name: replace(e, rules=(*(now[rule.name] for rule in e.kept), *e.rules[len(e.kept) :]))
+        for name, e in known.items()
+    }
+    untouched = (rule for rule in estimated if rule.action not in known)
+    found = (rule for action in domain.actions if (e := actions.get(action.name)) for rule in e.rules)
+    return replace(domain, rules=(*untouched, *found)), actions
 
 
 def _with(
@@ -105,9 +149,10 @@ def _learned(domain: Domain, name: str, transitions: tuple[Transition, ...], lea
     given = compiled(domain, transitions[:learned])
     found = revised(domain, given, [name]).domain
     rules = tuple(rule for rule in found.rules if rule.action == name)
+    kept = tuple(rule for rule in rules if rule in domain.rules)
     parts = parts_of(domain, action, given[name])
     none, of_none = np.zeros((0, 2 * len(parts)), dtype=bool), np.zeros(0, dtype=np.int64)
-    bare = ExploredAction(action, (), learned, rules, parts, none, of_none, of_none.astype(bool), ())
+    bare = ExploredAction(action, (), learned, kept, rules, parts, none, of_none, of_none.astype(bool), ())
     return _extended(domain, bare, transitions)
 
 

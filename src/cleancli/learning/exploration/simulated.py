@@ -18,6 +18,7 @@ from cleancli.learning.experience import Transition
 from cleancli.learning.exploration.explored import explored
 from cleancli.learning.exploration.seeking import next_try
 from cleancli.learning.exploration.worth import arguments_of
+from cleancli.learning.method import Method
 from cleancli.learning.variation import variation
 from cleancli.planning.plan import Options, Plan
 from cleancli.planning.planner import Plans
@@ -36,16 +37,16 @@ states; and how likely one at least is on objects that a rule covers. Chosen."""
 class Explorer:
     """Does what the strategy `explore` does, by the rules that all teaches that it saw."""
 
-    def __init__(self, setup: Batch, planner: Plans, known: int) -> None:
-        self.found = explored(setup.domain, ())
-        self._setup, self._planner, self._known = setup, planner, known
+    def __init__(self, setup: Batch, planner: Plans, known: int, method: Method) -> None:
+        self.found = explored(setup.domain, (), None, method)
+        self._setup, self._planner, self._known, self._method = setup, planner, known, method
         self._seen: list[Transition] = []
 
     def saw(self, before: State, action: GroundAction, after: State) -> None:
         """Learn from what an action has done."""
         states = values_of(before), values_of(after)
         self._seen.append(Transition(action.name, action.objects, self._setup.problem.objects, *states))
-        self.found = explored(self._setup.domain, self._seen, self.found)
+        self.found = explored(self._setup.domain, self._seen, self.found, self._method)
 
     def plan(self, facts: State, options: Options, horizon: int | None = None) -> tuple[Plan, float]:
         """The next try; where all is known that can be reached, what the planner says. Raises as `Agent`."""
@@ -70,12 +71,13 @@ class Judged(NamedTuple):
     variations: tuple[float, ...]
 
 
-def explorations(setup: Batch, known: int, episodes: int) -> Iterator[Judged]:
-    """So many episodes, of explorers that begin with the rules of the setup's domain and know a rule when it
-    has `known` examples. Raises as `rounds` of simulation/batch.py does."""
+def explorations(setup: Batch, known: int, method: Method, episodes: int) -> Iterator[Judged]:
+    """So many episodes, of explorers that begin with the rules of the setup's domain, learn the probabilities
+    of those that stay by a `method`, and know a rule when it has `known` examples. Raises as `rounds` of
+    simulation/batch.py does."""
     world = world_of(setup.world, setup.problem, setup.timed)
     judged = pairs(world, setup.world, setup.problem, np.random.default_rng(setup.options.seed))
-    explorers = [Explorer(setup, planner, known) for planner in setup.planners]
+    explorers = [Explorer(setup, planner, known, method) for planner in setup.planners]
     for number in range(episodes):
         played = [episode(world, each, number, setup.options, setup.limits, each.saw) for each in explorers]
         off = (variation(each.found.domain, setup.world, judged) for each in explorers)
