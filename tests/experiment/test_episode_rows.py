@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable
 from dataclasses import replace
 from pathlib import Path
@@ -10,10 +11,12 @@ from typing import Any
 import pytest
 
 from cleancli.api.executions import execute, execute_series
+from cleancli.api.provenance import inputs_of_run
 from cleancli.experiment.episode import Episode, OtherVersion, carried_out
 from cleancli.experiment.series import OpenedStudy
 from cleancli.language.diagnostics.diagnostic import Source
 from cleancli.learning.evidence import NO_EVIDENCE
+from cleancli.report.run import read_run
 from cleancli.study.model import Limits
 from cleancli.study.row import Row, comparable
 from support.studies import SYMBOLIC, opened, rows_here
@@ -67,6 +70,39 @@ def test_a_row_agrees_where_saving_a_table_matters(tmp_path: Path) -> None:
     row = carried_out(first("study s { scene = two_groups  strategy = wipe  seed = 3 }")).row
     result = execute("cleaning", "two_groups", seed=3, strategy="wipe", runs=tmp_path / "runs", video=False)
     record: Any = result.to_dict()
+    assert told(row) == executed(record["episode"])
+
+
+SLOW = """
+domain kiln {
+  predicates { fired() glazed() }
+  actions    { fire() [duration = 45 min]  glaze() [duration = 30 min] }
+  rule fire:  fire() { when not fired() then 1: fired() }
+  rule glaze: glaze() { when fired(), not glazed() then 1: glazed() }
+  reward { 1 * goal }
+}
+"""
+POT = "problem pot { domain = kiln goal { glazed() } horizon = 4 }"
+
+
+@pytest.mark.parametrize(
+    ("limit", "reason"), [(None, "nothing is left to do"), (2000, "the limit of 2000 s")]
+)
+def test_a_problem_has_a_limit_of_seconds_where_one_is_said(
+    tmp_path: Path, limit: float | None, reason: str
+) -> None:
+    """docs/execution.md: 1800 seconds are the limit of tables, and `simulate` has none."""
+    (tmp_path / "kiln.nid").write_text(SLOW, encoding="utf-8")
+    (tmp_path / "pot.nid").write_text(POT, encoding="utf-8")
+    done = execute(SLOW, POT, seed=1, max_seconds=limit, runs=tmp_path / "runs", video=False)
+    assert done.reason.startswith(reason)
+    record: Any = done.to_dict()
+    assert record["options"]["max_seconds"] == limit
+    again = inputs_of_run(read_run(done.folder)).options.max_seconds
+    assert again == (math.inf if limit is None else limit)
+    said = "" if limit is None else f"max_seconds = {limit}"
+    files = f'domain = "{tmp_path}/kiln.nid" scene = "{tmp_path}/pot.nid"'
+    row = carried_out(first(f"study s {{ {files} seed = 1 {said} }}")).row
     assert told(row) == executed(record["episode"])
 
 

@@ -16,7 +16,7 @@ from cleancli.api.runs import OpenedRun, carry_out
 from cleancli.api.series import Series, SeriesResult, carried_out
 from cleancli.api.series_resuming import resumed
 from cleancli.execution.events import Event
-from cleancli.execution.setup import MOST, EpisodeOptions, Job, usual_strategy
+from cleancli.execution.setup import MOST, EpisodeOptions, Job, usual_seconds, usual_strategy
 from cleancli.execution.strategies import STRATEGIES
 from cleancli.learning.optimism import OPTIMISM
 from cleancli.planning.plan import BadOption
@@ -55,7 +55,7 @@ def execute(
     match: str | None = None,
     forgetting: float | None = None,
     max_actions: int = 60,
-    max_seconds: float = 1800,
+    max_seconds: float | None = None,
     runs: str | Path = "runs",
     video: bool = True,
     on_event: Follow = _unfollowed,
@@ -125,7 +125,7 @@ def execute_series(
     forgetting: float | None = None,
     write: bool = False,
     max_actions: int = 60,
-    max_seconds: float = 1800,
+    max_seconds: float | None = None,
     runs: str | Path = "runs",
     video: bool = True,
     on_event: Follow = _unfollowed,
@@ -148,7 +148,8 @@ def execute_series(
         check_writable(given.domain.sources[0], is_writable)
     method = counting.method(given.domain.model) if learn else None
     chosen = strategy or usual_strategy(given.is_scene)
-    asked = EpisodeOptions(chosen, planner, samples, max_actions, max_seconds, learning=method)
+    seconds = usual_seconds(given.is_scene) if max_seconds is None else max_seconds
+    asked = EpisodeOptions(chosen, planner, samples, max_actions, seconds, learning=method)
     asked = replace(asked, optimism=optimism, structure=structure)
     acting = None if world is None else load_domain(world)
     shown_by = None if teacher is None else load_domain(teacher)

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import errno
 import hashlib
+import math
 import platform
 import re
 from collections.abc import Iterator, Mapping, Sequence
@@ -61,7 +62,7 @@ class _Options(msgspec.Struct):
     job: Job
     known: Count
     max_actions: Count
-    max_seconds: Seconds
+    max_seconds: Seconds | None
     estimator: str | None = None
     m: Annotated[float, Meta(ge=0, le=MOST)] = 0.0
     match: str = MATCHES[0]
@@ -78,7 +79,8 @@ class _Begun(msgspec.Struct):
 
 
 def header_of(options: EpisodeOptions, job: Job, copied: Mapping[str, object]) -> dict[str, object]:
-    """What another person needs to run the same again; the estimator is null where nothing is learned."""
+    """What another person needs to run the same again; null are the estimator where nothing is learned, and a
+    limit of seconds that there is not."""
     learning = options.learning
     return {
         "format": FORMAT,
@@ -99,7 +101,7 @@ def header_of(options: EpisodeOptions, job: Job, copied: Mapping[str, object]) -
             "match": learning.match if learning else "shared",
             "forgetting": learning.forgetting if learning else 0,
             "max_actions": options.max_actions,
-            "max_seconds": options.max_seconds,
+            "max_seconds": None if math.isinf(options.max_seconds) else options.max_seconds,
         },
         **copied,
     }
@@ -168,7 +170,7 @@ def _options(header: Header, given: _Options, source: Source) -> EpisodeOptions:
         given.planner,
         given.samples,
         given.max_actions,
-        given.max_seconds,
+        math.inf if given.max_seconds is None else given.max_seconds,
         header.seed,
         given.objective == "time",
         given.known,

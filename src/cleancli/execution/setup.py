@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import enum
+import math
 from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass, replace
 
@@ -65,10 +66,17 @@ def usual_strategy(is_scene: bool) -> str:
     return "plan-2" if is_scene else "plan-1"
 
 
+def usual_seconds(is_scene: bool) -> float:
+    """The limit of seconds where none is asked for: half an hour at a table, and none in the symbolic world,
+    whose actions may take minutes or days."""
+    return 1800.0 if is_scene else math.inf
+
+
 @dataclass(frozen=True, slots=True)
 class EpisodeOptions:
     """What is asked for. `planner` is the strategy's own where none is given; `by_time`: plans discount by
-    how long actions take, not by their number. `max_seconds`: of all that is in the account.
+    how long actions take, not by their number. `max_seconds`: of all that is in the account; infinite where
+    there is no limit.
 
     `known`: after an action whose rule was seen so many times or more, the arm need not leave the camera's
     view to learn from it (§5.2). `learning`: how probabilities are learned from each action; None: they stay.
@@ -81,7 +89,7 @@ class EpisodeOptions:
     planner: str | None = None
     samples: int = 10_000
     max_actions: int = 60
-    max_seconds: float = 1800.0
+    max_seconds: float = usual_seconds(is_scene=True)
     seed: int = 1
     by_time: bool = False
     known: int = 0

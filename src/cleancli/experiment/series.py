@@ -268,6 +268,7 @@ def _series(study: Study, cell: Cell, run: int) -> Series:
     """A run of a cell: seeds follow one another, as those of `cleancli execute --episodes` do."""
     found: list[Episode] = []
     first = study.seed + (run - 1) * study.episodes
+    limits = study.symbolic_limits if cell.axes["simulator"] == SYMBOLIC else study.limits
     for number in range(1, study.episodes + 1):
         before = found[-1].key if found else ""
         found.append(
@@ -278,7 +279,7 @@ def _series(study: Study, cell: Cell, run: int) -> Series:
                 run,
                 number,
                 first + number - 1,
-                study.limits,
+                limits,
                 cell.texts,
                 dict(versions_here()),
                 before,

@@ -5,6 +5,7 @@ What its scenes and domains hold is not looked at here, but where an episode is 
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from typing import Any
@@ -100,6 +101,7 @@ def _study(
         episodes=once["episodes"],
         seed=once["seed"],
         limits=Limits(once["max_actions"], once["max_seconds"]),
+        symbolic_limits=Limits(once["max_actions"], own.get("max_seconds", (math.inf,))[0]),
         studies=own.get("studies", ()),
         written=_written([top, *(axes for _, axes in parts)]),
     )

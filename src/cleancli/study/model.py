@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 
@@ -25,7 +26,8 @@ class Part:
 
 @dataclass(frozen=True, slots=True)
 class Limits:
-    """When an episode is given up (`execution.setup.EpisodeOptions`)."""
+    """When an episode is given up (`execution.setup.EpisodeOptions`); `max_seconds` is infinite where there
+    is no limit."""
 
     max_actions: int = 60
     max_seconds: float = 1800.0
@@ -57,8 +59,9 @@ class Comparison:
 @dataclass(frozen=True, slots=True)
 class Study:
     """`runs` of each cell, each a series of `episodes`, the first with `seed`. `measure`: what its figure
-    shows. `studies`: those that it consists of, by name; then it has no parts of its own. `quick`: the same
-    study made small. `written`: how the text says the values of axes, for messages."""
+    shows. `limits`: of tables; `symbolic_limits`: of problems that are no scenes. `studies`: those that it
+    consists of, by name; then it has no parts of its own. `quick`: the same study made small. `written`: how
+    the text says the values of axes, for messages."""
 
     name: str
     about: str
@@ -69,6 +72,7 @@ class Study:
     episodes: int = 1
     seed: int = 1
     limits: Limits = field(default_factory=Limits)
+    symbolic_limits: Limits = field(default_factory=lambda: Limits(max_seconds=math.inf))
     studies: tuple[str, ...] = ()
     quick: Study | None = field(default=None, repr=False)
     written: Mapping[str, Mapping[Value, SettingValue]] = field(

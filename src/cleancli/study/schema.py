@@ -71,7 +71,11 @@ OWN: Mapping[str, Key] = MappingProxyType(
         ),
         "seed": Key(Whole(0, 2**31 - 1), 1, "the seed of the first run"),
         "max_actions": Key(Whole(0, MOST), 60, "actions after which an episode is given up"),
-        "max_seconds": Key(Number(0, MOST, including=True), 1800.0, "seconds after which one is given up"),
+        "max_seconds": Key(
+            Number(0, MOST, including=True),
+            1800.0,
+            "seconds after which one is given up; one of a problem that is no scene only where this is said",
+        ),
         "measure": Key(Choice(tuple(MEASURES)), "seconds", "what is shown"),
     }
 )

@@ -26,7 +26,7 @@ from cleancli.cli.unreached import tell_unreached
 from cleancli.cli.usage import is_given, usage_errors
 from cleancli.cli.views.rehearsal import rehearse
 from cleancli.cli.views.run import Telling, echo_note, followed
-from cleancli.execution.setup import MOST, EpisodeOptions, Job, usual_strategy
+from cleancli.execution.setup import MOST, EpisodeOptions, Job, usual_seconds, usual_strategy
 from cleancli.execution.strategies import STRATEGIES
 from cleancli.execution.teaching import ASK
 from cleancli.language.model import Problem
@@ -41,9 +41,9 @@ _BESIDE_RESUME = {"resume", "saved", "confirm", "as_data", "quiet"}
 """What may be said beside `--resume`, since it is not about what is carried out."""
 
 
-def _number(context: click.Context, parameter: click.Parameter, value: float) -> float:
-    """A limit that something can be compared with."""
-    if isnan(value):
+def _number(context: click.Context, parameter: click.Parameter, value: float | None) -> float | None:
+    """A limit that something can be compared with, where one is given."""
+    if value is not None and isnan(value):
         raise click.BadParameter("this is no number", context, parameter)
     return value
 
@@ -140,9 +140,8 @@ def _number(context: click.Context, parameter: click.Parameter, value: float) ->
     "--max-seconds",
     type=click.FloatRange(min=0, max=MOST),
     callback=_number,
-    default=1800,
-    show_default=True,
-    help="Stop after so many seconds, of robot and of planning.",
+    help="Stop after so many seconds, of robot and of planning."
+    f"  [default: {usual_seconds(is_scene=True):g}, or for a problem that is no scene no limit]",
 )
 @click.option(
     "--runs",
@@ -202,7 +201,7 @@ def command(
     episodes: int,
     write: bool,
     max_actions: int,
-    max_seconds: float,
+    max_seconds: float | None,
     runs: Path,
     video: bool,
     rrd: Path | None,
@@ -232,7 +231,8 @@ def command(
         raise ships_with(domain, given.domain)
     method = Counting(estimator, m, match, forgetting).method(given.domain.model) if learn else None
     known, chosen = _known(known, epsilon, delta), strategy or usual_strategy(given.is_scene)
-    asked = EpisodeOptions(chosen, planner, samples, max_actions, max_seconds, learning=method)
+    seconds = usual_seconds(given.is_scene) if max_seconds is None else max_seconds
+    asked = EpisodeOptions(chosen, planner, samples, max_actions, seconds, learning=method)
     asked = replace(asked, optimism=optimism, structure=structure, is_taught=teacher is not None)
     acting, shown_by = None if world is None else open_loaded(world), _shown_by(teacher, telling)
     inputs = inputs_of(
