@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from pathlib import Path
+
 import pytest
 
 import cleancli
@@ -69,3 +71,29 @@ def test_of_a_problem_that_is_too_large_to_be_grounded_nothing_is_told() -> None
 
 def test_the_longer_horizon_is_twice_as_long() -> None:
     assert first_and_longer(*switches(2, "on(s0)"), 100) == (20, 40)
+
+
+KILN = """
+domain kiln {
+  predicates { fired() cracked() sold() }
+  actions    { fire() sell() }
+  rule fire: fire() { when not fired(), not cracked()  then 0.5: fired() rest: cracked() }
+  rule sell: sell() { when fired()  then 1: sold() }
+  reward { 1 * goal }
+}
+"""
+POT = "problem pot { domain = kiln goal { sold() } horizon = 4 }"
+NO_LONGER = "the goal can no longer be reached, whatever is done"
+
+
+def test_a_run_in_a_dead_end_says_so(tmp_path: Path) -> None:
+    """docs/execution.md: a cracked pot is never sold, and one that is fired may be."""
+    for cracks in (True, False):
+        world = KILN.replace("0.5", "0.0001" if cracks else "0.9999")
+        for most in (1, 9):
+            run = cleancli.execute(
+                KILN, POT, world=world, seed=1, max_actions=most, planner="exact", runs=tmp_path, video=False
+            )
+            assert run.clean == (not cracks and most == 9)
+            assert (NO_LONGER in str(run)) == cracks
+            assert HOPELESS not in str(run)

@@ -18,6 +18,11 @@ from cleancli.planning.request import PlanningRequest
 HOPELESS = "the goal is out of reach, whatever is done: it holds in no state that actions may lead to"
 """Where all states are known that actions may lead to."""
 
+_DEAD_END = (
+    "the goal can no longer be reached, whatever is done: it holds in no state that actions may still lead to"
+)
+"""Where that is so of the state that was reached, and was not of the first one."""
+
 _TOO_FEW = (
     "the problem states no horizon, and {within} may be too few: write for example `horizon = {longer}`"
 )
@@ -48,11 +53,15 @@ def too_few(steps: int, longer: int) -> str:
     return _TOO_FEW.format(within=plural(steps, "action"), longer=longer)
 
 
-def unreached_lines(hopeless: bool, first_and_longer: tuple[int, int] | None) -> Iterator[str]:
-    """What is told of a goal that was not reached: that it is out of reach, or else the horizon of the first
-    plan and a longer one."""
+def unreached_lines(
+    hopeless: bool, first_and_longer: tuple[int, int] | None, dead_end: bool = False
+) -> Iterator[str]:
+    """What is told of a goal that was not reached: that it is out of reach, or became so in a `dead_end`, or
+    else the horizon of the first plan and a longer one."""
     if hopeless:
         yield HOPELESS
+    elif dead_end:
+        yield _DEAD_END
     elif first_and_longer is not None:
         yield too_few(*first_and_longer)
 

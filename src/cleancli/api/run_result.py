@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import json
 from collections.abc import Iterator, Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import Any
 
@@ -17,7 +17,7 @@ from cleancli.api.tables import TextTable, shown
 from cleancli.execution.episode_state import Situation
 from cleancli.execution.loop import IDLE
 from cleancli.language.diagnostics.plural import plural
-from cleancli.language.model import Problem
+from cleancli.language.model import Domain, Problem
 from cleancli.learning.evidence import NO_EVIDENCE, Evidence
 from cleancli.planning.plan import BadOption, Options
 from cleancli.recording.folder import PAGE, RUN, read_text
@@ -32,7 +32,7 @@ class RunResult:
     """What a run came to, as docs/python.md lists it. `told`: what holds in the end in the symbolic world.
     `evidence`: what it and the runs before it have seen, to learn from. `short_horizon`: that of the first
     plan and a longer one to try, where the problem states none and no plan was believed to reach its goal.
-    `hopeless`: no action of the symbolic world can lead to the goal."""
+    `hopeless`: no action of the symbolic world can lead to the goal; `dead_end`: none can any more."""
 
     folder: Path
     clean: bool
@@ -46,6 +46,7 @@ class RunResult:
     evidence: Evidence = field(default=NO_EVIDENCE, repr=False)
     short_horizon: tuple[int, int] | None = None
     hopeless: bool = False
+    dead_end: bool = False
 
     def to_dict(self) -> dict[str, object]:
         """The same as `cleancli execute --json` prints: the folder's run.json."""
@@ -66,7 +67,7 @@ class RunResult:
         yield (f"{'' if self.clean else 'not '}{done}: {self.reason}, after {plural(self.actions, 'action')}")
         if self.told:
             yield f"in the end: {self.told}"
-        yield from unreached_lines(self.hopeless, self.short_horizon)
+        yield from unreached_lines(self.hopeless, self.short_horizon, self.dead_end)
         if kinds:
             spent = ", ".join(f"{kind.replace('_', ' ')} {s:z.1f}" for kind, s in kinds.items())
             yield f"seconds: {sum(self.seconds.values()):z.1f} ({spent})"
@@ -119,6 +120,7 @@ def ended_result(run: Run, inputs: Inputs) -> RunResult:
         saved.evidence,
         short_horizon(inputs, ended.clean, ended.reason),
         hopeless(inputs, ended.clean),
+        is_dead_end(inputs, ended.clean, saved.situation),
     )
 
 
@@ -135,8 +137,21 @@ def hopeless(inputs: Inputs, done: bool) -> bool:
     given = inputs.given
     if done or not isinstance(given, Problem):
         return False
-    world = inputs.domain if inputs.world is None else inputs.world.model
-    return is_hopeless(world, given)
+    return is_hopeless(_rules(inputs), given)
+
+
+def is_dead_end(inputs: Inputs, done: bool, situation: Situation | None) -> bool:
+    """Whether it is certain that no action of the symbolic world leads from the last situation to the goal,
+    which was not reached."""
+    given = inputs.given
+    if done or not isinstance(given, Problem) or situation is None:
+        return False
+    return is_hopeless(_rules(inputs), replace(given, state=situation.state))
+
+
+def _rules(inputs: Inputs) -> Domain:
+    """The domain whose rules hold in the symbolic world."""
+    return inputs.domain if inputs.world is None else inputs.world.model
 
 
 def short_horizon(inputs: Inputs, done: bool, reason: str) -> tuple[int, int] | None:

@@ -12,7 +12,7 @@ from typing import Any
 from cleancli.api.provenance import copied_into, header_of
 from cleancli.api.resuming import Note, reopened, unfinished
 from cleancli.api.run_inputs import Inputs
-from cleancli.api.run_result import RunResult, hopeless, short_horizon, told_in_the_end
+from cleancli.api.run_result import RunResult, hopeless, is_dead_end, short_horizon, told_in_the_end
 from cleancli.api.run_session import alone_in, interruptions, none_left_where_refused, open_session
 from cleancli.execution.episode_state import EpisodeState, Situation
 from cleancli.execution.events import Checkpoint, Ended, Event, Looked
@@ -198,4 +198,5 @@ def _result(
         evidence,
         short_horizon(run.inputs, ended.clean, ended.reason),
         hopeless(run.inputs, ended.clean),
+        is_dead_end(run.inputs, ended.clean, situation),
     )
