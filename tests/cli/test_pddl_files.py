@@ -78,6 +78,26 @@ def test_what_is_planned_is_what_is_planned_for_converted_files(capsys: pytest.C
     assert plans[0] == plans[1] == plans[2]
 
 
+REWARDED = """(define (domain lamps) (:requirements :typing :rewards :probabilistic-effects) (:types lamp)
+  (:predicates (lit ?l - lamp))
+  (:action press :parameters (?l - lamp) :precondition (not (lit ?l))
+    :effect (probabilistic 0.5 (and (lit ?l) (increase (reward) 1)))))
+(define (problem two) (:domain lamps) (:objects a b - lamp) (:init) (:metric maximize (reward)))
+"""
+
+
+def test_a_horizon_that_no_text_states_is_told_as_a_guess(capsys: pytest.CaptureFixture[str]) -> None:
+    Path("lamps.pddl").write_text(REWARDED, encoding="utf-8")
+    guess = "the horizon of 40 actions is a guess, because PPDDL has none: `cleancli convert` makes"
+    assert run(["plan", "lamps.pddl", "lamps.pddl"]) == 0
+    assert guess in capsys.readouterr().out
+    assert run(["convert", "lamps.pddl", "--out", "out"]) == 0
+    capsys.readouterr()
+    for files in (FILES, ("out/lamps.nid", "out/two.nid"), ("lamps.pddl", "out/two.nid")):
+        assert run(["plan", *files]) == 0
+        assert "guess" not in capsys.readouterr().out
+
+
 def test_one_file_may_hold_both(capsys: pytest.CaptureFixture[str]) -> None:
     both = "".join(Path(name).read_text(encoding="utf-8") for name in FILES)
     Path("both.pddl").write_text(both, encoding="utf-8")

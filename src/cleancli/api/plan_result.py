@@ -39,6 +39,11 @@ _ASTRAY = "this course does not reach the goal"
 _HOW_ELSE = "; `--explain` says what else may happen, and what is done then"
 """After that, where it has not been told."""
 
+_GUESSED = (
+    "the horizon of {within} is a guess, because PPDDL has none: `cleancli convert` makes .nid files, which"
+    " can state another"
+)
+
 _OF_A_POLICY = (
     "steps: of the sequence, each done once; branches: of the policy, which tries again what changed nothing"
 )
@@ -50,7 +55,7 @@ _TAKES = {
 }
 """What a policy without a horizon is to take little of."""
 
-_BESIDE = ("objects", "margin", "counted", "longer_horizon", "hopeless", "astray")
+_BESIDE = ("objects", "margin", "counted", "guessed_horizon", "longer_horizon", "hopeless", "astray")
 """What only the text of a plan tells."""
 
 
@@ -78,10 +83,10 @@ class PlanBranch:
 class PlanResult:
     """A plan, as docs/python.md lists it. `horizon` is None and `reached` is not where the problem's horizon
     is unlimited; `explained` is None unless that was asked for. `goal_chance`: of the policy, or the
-    sequence; None where the problem has no goal. `longer_horizon`: one to try, where the problem states none
-    and the usual one seems too short. `hopeless`: no action can lead to the goal, which a search of bounded
-    work has shown. `astray`: the likeliest course of the policy, which is the plan, does not reach
-    it, and other ways do."""
+    sequence; None where the problem has no goal. `guessed_horizon`: no text states it. `longer_horizon`: one
+    to try, where the problem states none and the usual one seems too short. `hopeless`: no action can lead to
+    the goal, which a search of bounded work has shown. `astray`: the likeliest course of the policy, which is
+    the plan, does not reach it, and other ways do."""
 
     problem: str
     planner: str
@@ -103,6 +108,7 @@ class PlanResult:
     objects: int
     margin: float
     counted: int
+    guessed_horizon: bool
     longer_horizon: int | None
     hopeless: bool
     astray: bool
@@ -160,6 +166,8 @@ class PlanResult:
                 within = "this action reaches" if number == 1 else f"these {number} actions reach"
                 yield _SHORT.format(within=within, chance=chance, longer=self.longer_horizon)
             yield chance_line(self.goal_chance, self.horizon)
+        if self.guessed_horizon:
+            yield _GUESSED.format(within=plural(self.horizon or 0, "action"))
         sampled = f", {plural(self.samples, 'sample')}" if self.samples else ""
         coverage = "" if self.coverage is None else f", coverage {self.coverage:z.3g}"
         yield (

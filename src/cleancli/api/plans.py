@@ -15,6 +15,7 @@ from cleancli.compiler.semantics import reaches_goal
 from cleancli.compiler.short_horizon import longer_horizon, out_of_reach
 from cleancli.compiler.task import literal_text
 from cleancli.language.load import located_in
+from cleancli.language.model import Horizon
 from cleancli.planning.choice import planner_named
 from cleancli.planning.evaluation.forecast import Forecast
 from cleancli.planning.evaluation.goal_chance import GoalChance
@@ -90,6 +91,7 @@ def plan_result(
         objects=len(job.problem.objects),
         margin=_margin(job),
         counted=job.options.counted,
+        guessed_horizon=isinstance(job.problem.horizon, Horizon) and job.problem.horizon.is_guess,
         longer_horizon=longer_horizon(job.task) if short else None,
         hopeless=hopeless,
         astray=_is_astray(job, found.policy, chance),

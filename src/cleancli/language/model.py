@@ -354,10 +354,12 @@ State = frozenset[Fact]
 
 
 class Horizon(Record):
-    """Plan length: `constant`, plus the value of `count` in the initial state where one is named (§4.2.2)."""
+    """Plan length: `constant`, plus the value of `count` in the initial state where one is named (§4.2.2).
+    `is_guess`: no text says it, as none in PPDDL can."""
 
     constant: int
     count: str | None = None
+    is_guess: bool = field(default=False, compare=False)
 
 
 class Unlimited(Record):

@@ -15,7 +15,7 @@ from cleancli.language.checking.problem import check_aims
 from cleancli.language.diagnostics.diagnostic import Diagnostic, Source, Span
 from cleancli.language.diagnostics.refused import Refused
 from cleancli.language.diagnostics.sink import Findings
-from cleancli.language.model import Domain, Problem, Rule
+from cleancli.language.model import Domain, Horizon, Problem, Rule
 
 
 def defines_domain(source: Source) -> bool:
@@ -78,7 +78,10 @@ def models_of(domain: Source, problem: Source | None = None, *, is_open: bool = 
 
 def _problem(draft: DraftProblem, domain: Domain, findings: Findings) -> Problem:
     made = draft.problem
-    return check_aims(problem_tree(draft), domain, made.objects, made.state, findings)
+    checked = check_aims(problem_tree(draft), domain, made.objects, made.state, findings)
+    if isinstance(checked.horizon, Horizon):
+        return replace(checked, horizon=replace(checked.horizon, is_guess=True))
+    return checked
 
 
 def _refuse_none(source: Source, problems: Sequence[ProblemNode], findings: Findings) -> None:
