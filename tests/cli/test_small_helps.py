@@ -100,6 +100,19 @@ def test_the_margin_is_told_of_the_planners_that_have_one(capsys: pytest.Capture
         assert f"nothing worth doing: {nothing}\n" in told
 
 
+def test_a_path_that_is_nearly_that_of_a_file_beside_it_is_told_that_one(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    Path("lamps.nid").write_text(LAMPS, encoding="utf-8")
+    (tmp_path / "deep").mkdir()
+    Path("deep/monday.nid").write_text(TWO, encoding="utf-8")
+    Path("deep/monday.txt").touch()
+    assert "did you mean `deep/monday.nid`? shipped: " in said(capsys, "plan lamps.nid deep/mondey.nid", 1)
+    assert "did you mean `lamps.nid`" in said(capsys, "check lapms.nid", 1)
+    with pytest.raises(cleancli.Refused, match=r"did you mean `deep/monday\.nid`\?"):
+        cleancli.plan("lamps.nid", "deep/mondey.nid")
+
+
 def test_a_domain_that_is_nowhere_is_told_at_its_name(
     tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:

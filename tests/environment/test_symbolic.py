@@ -283,6 +283,14 @@ def test_what_no_action_can_change_is_counted_to_the_end(lamps: str) -> None:
     assert not info["action_mask"].any()
 
 
+def test_a_problem_that_is_nearly_named_is_told(lamps: str) -> None:
+    wrong = lamps.replace("p.nid", "pp.nid")
+    with pytest.raises(Refused) as refused:
+        Symbolic(wrong)
+    (found,) = refused.value.diagnostics
+    assert str(found.help).startswith(f"did you mean `{lamps}`")
+
+
 def test_what_cannot_be_learned_from_is_refused_in_words(lamps: str) -> None:
     with pytest.raises(ValueError, match="nothing is left to do in `p` from the beginning"):
         single(with_goal(lamps, "not dark()"))

@@ -18,7 +18,8 @@ def find(name_or_path: str, *kinds: str, folder: Path | None = None) -> Path:
 
     `kinds` are the folders to seek a bare name in, in order; what lies in `folder` goes by its name too, and
     is suggested where it is near. A folder that happens to have the name of a shipped file does not hide it.
-    Raises Refused (E001) that lists near names and all shipped ones.
+    Raises Refused (E001) that lists near names, paths of near files in the folder of the path, and all
+    shipped ones.
     """
     path = Path(name_or_path)
     if path.is_file():
@@ -31,7 +32,8 @@ def find(name_or_path: str, *kinds: str, folder: Path | None = None) -> Path:
         return path
     names = [name for kind in kinds for name in shipped_names(kind)]
     own = [] if folder is None else sorted(each.stem for each in folder.glob("*.nid"))
-    near = difflib.get_close_matches(path.stem, dict.fromkeys([*own, *names]), n=3, cutoff=0.5)
+    known = {name: name for name in (*own, *names)} | _like(path)
+    near = [known[name] for name in difflib.get_close_matches(path.stem, known, n=3, cutoff=0.5)]
     beside = Path(f"{name_or_path}.nid")
     if beside.is_file():  # a bare name is that of a shipped file, and one's own file goes by its path
         near = [str(beside)]
@@ -48,6 +50,13 @@ def find(name_or_path: str, *kinds: str, folder: Path | None = None) -> Path:
             )
         ]
     )
+
+
+def _like(path: Path) -> dict[str, str]:
+    """The files in the folder of a path that end as it does, by their stems; none for a bare name."""
+    if not path.suffix:
+        return {}
+    return {each.stem: str(each) for each in sorted(path.parent.glob("*")) if each.suffix == path.suffix}
 
 
 def find_beside(path: Path, name: str, kind: str) -> Path:
