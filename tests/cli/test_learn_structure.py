@@ -129,12 +129,12 @@ def test_what_outcomes_of_dropped_rules_paid_is_told(
     paid = text.replace("then 1: nothing", "then 0.75: reward += 5\n         rest: reward += 5, cost += 1/3")
     Path("paid.nid").write_text(paid, encoding="utf-8")
     told = (
-        "slam: outcomes of its old rules paid `reward += 5`, `cost += 1/3`, and those of the new ones pay"
+        "slam: outcomes of its %s paid `reward += 5`, `cost += 1/3`, and those of the new ones pay"
         " nothing, because experience does not tell what was paid: write it into them again"
     )
-    assert told in said(capsys, "learn --structure paid.nid seen.jsonl").splitlines()
+    assert told % "old rules" in said(capsys, "learn --structure paid.nid seen.jsonl").splitlines()
     vocabulary = "learn --structure --vocabulary paid.nid seen.jsonl --json"
-    assert told in json.loads(said(capsys, vocabulary))["notes"]
+    assert told % "rules that were left aside" in json.loads(said(capsys, vocabulary))["notes"]
     assert "paid" not in said(capsys, "learn --structure locks.nid seen.jsonl")
 
 
@@ -352,6 +352,8 @@ def test_conditions_that_nothing_violated_are_named_where_rules_that_had_them_go
         " transition: add experience in which it does not, or write it into them"
     ) in text
     assert "push: its old rules" not in text, "which stay"
+    text = said(capsys, "learn --structure --vocabulary doors.nid doors.jsonl --action pull")
+    assert "pull: its rules that were left aside ask for `not jammed(?x)`" in text
     assert "its old rules" not in said(capsys, "learn --structure locks.nid seen.jsonl --action unlock")
 
 

@@ -13,6 +13,9 @@ from cleancli.learning.experience import Transition
 from cleancli.learning.structure.induce import Revised
 from cleancli.learning.structure.score import together
 
+_OLD = {False: "its old rules", True: "its rules that were left aside"}
+"""What dropped rules of an action are called, by whether the domain was taken as a vocabulary."""
+
 
 def notes_of(names: Sequence[str], found: Revised, vocabulary: bool) -> Iterator[str]:
     """How many rules were learned and dropped, what no outcome says, and which actions nothing is known of;
@@ -44,9 +47,11 @@ def about_held_out(number: int) -> Iterator[str]:
         )
 
 
-def unasked(model: Domain, dropped: Collection[str], transitions: Sequence[Transition]) -> Iterator[str]:
+def unasked(
+    model: Domain, dropped: Collection[str], transitions: Sequence[Transition], vocabulary: bool
+) -> Iterator[str]:
     """The conditions of dropped rules that held before all transitions of their action, so that the search
-    could not see that they matter."""
+    could not see that they matter; `vocabulary` as in `notes_of`."""
     rules, symbols = LiftedRules(model), symbols_of(model)
     asked: dict[str, dict[str, Test]] = {each.action: {} for each in transitions}
     for rule in model.rules:
@@ -61,13 +66,14 @@ def unasked(model: Domain, dropped: Collection[str], transitions: Sequence[Trans
     for name in (action.name for action in model.actions if asked.get(action.name)):
         parts = ", ".join(f"`{text}`" for text in asked[name])
         yield (
-            f"{name}: its old rules ask for {parts}, and the new ones do not, because it held before every"
-            " transition: add experience in which it does not, or write it into them"
+            f"{name}: {_OLD[vocabulary]} ask for {parts}, and the new ones do not, because it held before"
+            " every transition: add experience in which it does not, or write it into them"
         )
 
 
-def unpaid(model: Domain, dropped: Collection[str]) -> Iterator[str]:
-    """What outcomes of dropped rules paid: transitions do not say what was paid, so new rules pay nothing."""
+def unpaid(model: Domain, dropped: Collection[str], vocabulary: bool) -> Iterator[str]:
+    """What outcomes of dropped rules paid: transitions do not say what was paid, so new rules pay nothing;
+    `vocabulary` as in `notes_of`."""
     for action in model.actions:
         paid = dict.fromkeys(
             payment
@@ -79,6 +85,6 @@ def unpaid(model: Domain, dropped: Collection[str]) -> Iterator[str]:
         if paid:
             told = ", ".join(f"`{each}`" for each in paid)
             yield (
-                f"{action.name}: outcomes of its old rules paid {told}, and those of the new ones pay"
+                f"{action.name}: outcomes of {_OLD[vocabulary]} paid {told}, and those of the new ones pay"
                 " nothing, because experience does not tell what was paid: write it into them again"
             )

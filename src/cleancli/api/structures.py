@@ -124,8 +124,8 @@ def structures(
             *passed_over,
             *notes,
             *notes_of(names, found, wanted.vocabulary),
-            *unasked(model, dropped, transitions),
-            *unpaid(model, dropped),
+            *unasked(model, dropped, transitions, wanted.vocabulary),
+            *unpaid(model, dropped, wanted.vocabulary),
         ),
         is_writable,
     )
