@@ -79,3 +79,21 @@ def test_the_advice_says_who_else_may_use_it(capsys: pytest.CaptureFixture[str])
         "leave it out, unless a problem's goal or a domain that includes this one uses it",
         "leave it out, unless a domain that includes this one uses it",
     }
+
+
+def test_a_vocabulary_is_not_called_unused_but_for_types(
+    folder: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    """docs/diagnostics.md, W201 and W203: what rules that will be learned are to use stays."""
+    rule = next(line for line in DOMAIN.splitlines(keepends=True) if "rule w" in line)
+    (folder / "vocabulary.nid").write_text(DOMAIN.replace(rule, ""), encoding="utf-8")
+    assert run(["check", "vocabulary.nid"]) == 0
+    told = capsys.readouterr().out
+    assert re.findall(r"warning\[(\w+)\]: (.*)", told) == [
+        ("W201", "the type `shelf` is never used"),
+        ("W203", "no action of this domain has a rule"),
+    ]
+    assert "learn --structure --vocabulary" in told
+    (folder / "d.nid").write_text(DOMAIN.replace("wipe(?a - area) }", "wipe(?a - area)  wait() }"))
+    assert run(["check", "d.nid"]) == 0
+    assert "warning[W203]: the action `wait` has no rule" in capsys.readouterr().out

@@ -12,13 +12,31 @@ from cleancli.language import syntax
 from cleancli.language.checking.declarations import sections_of
 from cleancli.language.diagnostics.sink import Findings
 
+_OF_VOCABULARY = (
+    "learn rules from experience by `cleancli learn --structure --vocabulary`, or write them: `rule NAME: "
+    "ACTION(...) { ... }`"
+)
+
 
 def warn_unused(node: syntax.DomainNode, findings: Findings) -> None:
-    """W201 for names that nothing refers to, W203 for actions without a rule."""
+    """W201 for names that nothing refers to, W203 for actions without a rule.
+
+    Of a vocabulary, which has actions and no rule at all, only types are told and, once, that it has no rule:
+    rules that are still to be learned will use the rest.
+    """
     if findings.broken or findings.errors:
         return  # what was not understood may use anything
-    for kind, what, name in _declared(node):
-        if (kind, name.text) in findings.used or name.span.path != findings.source.path:
+    unused = [
+        (kind, what, name)
+        for kind, what, name in _declared(node)
+        if (kind, name.text) not in findings.used and name.span.path == findings.source.path
+    ]
+    actions = [name for kind, _, name in unused if kind == "action"]
+    is_vocabulary = bool(actions) and not sections_of(node.sections, syntax.RuleNode)
+    if is_vocabulary:
+        findings.warning("W203", "no action of this domain has a rule", actions[0].span, help=_OF_VOCABULARY)
+    for kind, what, name in unused:
+        if is_vocabulary and kind != "type":
             continue
         if kind == "action":
             findings.warning(
