@@ -175,7 +175,7 @@ def lamps(light: str = "", rest: str = "") -> Domain:
 
 
 def switched(action: str, before: bool, after: bool, times: int) -> list[Transition]:
-    lit = [{("lit", ("l1",)): holds} for holds in (before, after)]
+    lit: list[Values] = [{("lit", ("l1",)): holds} for holds in (before, after)]
     return [Transition(action, ("l1",), LAMP, lit[0], lit[1])] * times
 
 
