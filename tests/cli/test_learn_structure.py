@@ -357,6 +357,48 @@ def test_conditions_that_nothing_violated_are_named_where_rules_that_had_them_go
     assert "its old rules" not in said(capsys, "learn --structure locks.nid seen.jsonl --action unlock")
 
 
+@pytest.mark.parametrize(
+    ("jammed", "opened", "told"),
+    [
+        (3, 0, "in only 3 of 93 transitions it did not hold where they apply: add experience in which it"),
+        (3, 1, None),  # it is seen not to matter
+        (60, 0, None),  # it is seen to matter
+    ],
+)
+def test_a_condition_that_few_transitions_speak_for_is_named_where_the_new_rules_lack_it(
+    folder: Path, capsys: pytest.CaptureFixture[str], jammed: int, opened: int, told: str | None
+) -> None:
+    """docs/learning.md, "Experience to learn rules from": of 90 pulls of doors without jams 30 open them, and
+    a few more were of jammed ones."""
+    domain = """
+      domain doors {
+        types      { door }
+        predicates { shut(?d - door)  jammed(?d - door) }
+        derived    { closed := count ?d - door: shut(?d) }
+        actions    { pull(?d - door) }
+        rule pull: pull(?d) { when not jammed(?d) then 0.3: not shut(?d) 0.7: nothing }
+        reward     { decrease(closed) }
+      }"""
+    Path("doors.nid").write_text(layout(domain), encoding="utf-8")
+    shut: dict[Fluent, Value] = {("shut", ("d",)): True}
+    stuck: dict[Fluent, Value] = {("jammed", ("d",)): True}
+    seen = [(shut, dict[Fluent, Value]())] * 30 + [(shut, shut)] * 60
+    seen += [(shut | stuck, stuck)] * opened + [(shut | stuck, shut | stuck)] * (jammed - opened)
+    lines = (
+        encode(Transition("pull", ("d",), (Object("d", "door"),), before, after), {"number": number})
+        for number, (before, after) in enumerate(seen)
+    )
+    Path("doors.jsonl").write_text("\n".join(lines) + "\n", encoding="utf-8")
+    text = said(capsys, "learn --structure --vocabulary doors.nid doors.jsonl")
+    if told is None:
+        assert "left aside ask for" not in text
+    else:
+        start = (
+            "pull: its rules that were left aside ask for `not jammed(?d)`, and the new ones do not, because "
+        )
+        assert start + told + " does not, or write it into them" in text
+
+
 def test_the_example_from_an_empty_file_to_a_plan(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:

@@ -10,8 +10,10 @@ from cleancli.language.diagnostics.plural import plural
 from cleancli.language.model import Domain
 from cleancli.language.printing.printer import print_condition, print_payments, symbols_of
 from cleancli.learning.experience import Transition
+from cleancli.learning.method import KNOWN
 from cleancli.learning.structure.induce import Revised
 from cleancli.learning.structure.score import together
+from cleancli.learning.variation import foretold
 
 _OLD = {False: "its old rules", True: "its rules that were left aside"}
 """What dropped rules of an action are called, by whether the domain was taken as a vocabulary."""
@@ -48,27 +50,60 @@ def about_held_out(number: int) -> Iterator[str]:
 
 
 def unasked(
-    model: Domain, dropped: Collection[str], transitions: Sequence[Transition], vocabulary: bool
+    model: Domain,
+    dropped: Collection[str],
+    new: Domain,
+    transitions: Sequence[Transition],
+    vocabulary: bool,
 ) -> Iterator[str]:
-    """The conditions of dropped rules that held before all transitions of their action, so that the search
-    could not see that they matter; `vocabulary` as in `notes_of`."""
-    rules, symbols = LiftedRules(model), symbols_of(model)
+    """The conditions of dropped rules of which the transitions of their action hardly tell whether they
+    matter: those that held before all, and those that did not hold before fewer than KNOWN of those of which
+    one of the `new` rules foretells a change, none of which happened; `vocabulary` as in `notes_of`."""
+    rules, told = LiftedRules(model), LiftedRules(new)
+    asked = _asked(model, rules, dropped, transitions)
+    for action in model.actions:
+        own = [each for each in transitions if each.action == action.name]
+        tests = asked.get(action.name, {})
+        in_vain = {text: _in_vain(test, own, rules, told) for text, test in tests.items()}
+        ask = f"{action.name}: {_OLD[vocabulary]} ask for"
+        always = [f"`{text}`" for text, number in in_vain.items() if number == 0]
+        if always:
+            yield (
+                f"{ask} {', '.join(always)}, and the new ones do not, because it held before every"
+                " transition: add experience in which it does not, or write it into them"
+            )
+        for text, number in in_vain.items():
+            if number is not None and 0 < number < KNOWN:
+                yield (
+                    f"{ask} `{text}`, and the new ones do not, because in only {number} of"
+                    f" {plural(len(own), 'transition')} it did not hold where they apply: add experience in"
+                    " which it does not, or write it into them"
+                )
+
+
+def _asked(
+    model: Domain, rules: LiftedRules, dropped: Collection[str], transitions: Sequence[Transition]
+) -> dict[str, dict[str, Test]]:
+    """The conditions of the dropped rules of each action that there are transitions of, by their texts."""
+    symbols = symbols_of(model)
     asked: dict[str, dict[str, Test]] = {each.action: {} for each in transitions}
     for rule in model.rules:
         if rule.name in dropped and rule.action in asked:
             for part in rule.condition:
                 test = rules.meaning.test((part,), further({}, rule.variables))
                 asked[rule.action][print_condition((part,), symbols)] = test
-    for each in transitions:
-        state = rules.state(each.objects, each.before)
-        held = asked[each.action].items()
-        asked[each.action] = {text: test for text, test in held if test(state, each.arguments)}
-    for name in (action.name for action in model.actions if asked.get(action.name)):
-        parts = ", ".join(f"`{text}`" for text in asked[name])
-        yield (
-            f"{name}: {_OLD[vocabulary]} ask for {parts}, and the new ones do not, because it held before"
-            " every transition: add experience in which it does not, or write it into them"
-        )
+    return asked
+
+
+def _in_vain(test: Test, own: Sequence[Transition], rules: LiftedRules, told: LiftedRules) -> int | None:
+    """In how many transitions of an action a condition did not hold, nothing happened, and the new rules
+    foretell a change; 0 where it held before all. None where the new rules say so otherwise, or where
+    something happened without it."""
+    without = [each for each in own if not test(rules.state(each.objects, each.before), each.arguments)]
+    in_vain = [each for each in without if foretold(told, each).keys() - {frozenset()}]
+    if any(each.changed for each in in_vain) or (without and not in_vain):
+        return None
+    return len(in_vain)
 
 
 def unpaid(model: Domain, dropped: Collection[str], vocabulary: bool) -> Iterator[str]:

@@ -124,7 +124,7 @@ def structures(
             *passed_over,
             *notes,
             *notes_of(names, found, wanted.vocabulary),
-            *unasked(model, dropped, transitions, wanted.vocabulary),
+            *unasked(model, dropped, replace(model, rules=found.added), transitions, wanted.vocabulary),
             *unpaid(model, dropped, wanted.vocabulary),
         ),
         is_writable,
