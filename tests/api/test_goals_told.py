@@ -97,3 +97,16 @@ def test_a_run_in_a_dead_end_says_so(tmp_path: Path) -> None:
             assert run.clean == (not cracks and most == 9)
             assert (NO_LONGER in str(run)) == cracks
             assert HOPELESS not in str(run)
+
+
+@pytest.mark.parametrize("planner", ["exact", ("prada", "exact")])
+def test_episodes_that_were_given_up_in_a_dead_end_are_counted(planner: str | tuple[str, ...]) -> None:
+    """docs/simulation.md: all that end without the goal, here, since nothing mends a crack."""
+    done = cleancli.simulate(KILN, POT, planner=planner, episodes=20, seed=1)
+    for summary, rows in zip(done.planners, done.episodes, strict=True):
+        cracked = sum(not row.success for row in rows)
+        assert 0 < cracked < 20
+        line = f"{summary.planner}: of {cracked} episodes that it gave up, {cracked} had come where the goal"
+        assert line in str(done)
+    mended = KILN.replace("rest: cracked() }", "rest: nothing }")
+    assert "no longer" not in str(cleancli.simulate(mended, POT, planner=planner, episodes=20, seed=1))

@@ -16,12 +16,21 @@ from cleancli.simulation.summary import Estimate, Summary
 
 
 @dataclass(frozen=True, slots=True)
+class DeadEnds:
+    """Of the episodes that a planner gave up, how many had no way to the goal left."""
+
+    number: int
+    given_up: int
+
+
+@dataclass(frozen=True, slots=True)
 class SimulationResult:
     """What planners achieved: a summary of each, and all its episodes, in the planners' order. `options` are
     those of all planners, and those of their own that these have. `short_horizon`: that of the first plan
     and a longer one to try, where the problem states none and episodes were given up. `lengths`: how far
     plans look ahead beside how long episodes were, in words, where what episodes come to differs by it.
-    `hopeless`: no action of the world can lead to the goal. `variations`: where rules were explored, how far
+    `hopeless`: no action of the world can lead to the goal; `dead_ends`: for each planner where none could
+    any more, None where that is known of no episode. `variations`: where rules were explored, how far
     what they foretell after each episode is from what the world does (total variation, in the mean), for each
     planner."""
 
@@ -39,6 +48,7 @@ class SimulationResult:
     short_horizon: tuple[int, int] | None
     lengths: str | None
     hopeless: bool
+    dead_ends: tuple[DeadEnds | None, ...]
     variations: tuple[tuple[float, ...], ...] = ()
 
     def to_dict(self) -> dict[str, object]:
@@ -91,6 +101,8 @@ class SimulationResult:
         for summary in self.planners:
             reasons = ", ".join(f"{reason.value} {number}" for reason, number in summary.reasons.items())
             yield f"{summary.planner} ended: {reasons}"
+        if not self.hopeless:
+            yield from self._dead_ends()
         for summary, off in zip(self.planners, self.variations, strict=False):
             yield f"{summary.planner}: what it foretells is off by {_falling(off)}"
         if self.variations:
@@ -98,6 +110,12 @@ class SimulationResult:
         yield from unreached_lines(self.hopeless, self.short_horizon)
         if self.lengths is not None and not self.hopeless:
             yield self.lengths
+
+    def _dead_ends(self) -> Iterator[str]:
+        for summary, ends in zip(self.planners, self.dead_ends, strict=True):
+            if ends is not None:
+                given_up = f"of {plural(ends.given_up, 'episode')} that it gave up, {ends.number}"
+                yield f"{summary.planner}: {given_up} had come where the goal can no longer be reached"
 
 
 def _falling(off: Sequence[float]) -> str:

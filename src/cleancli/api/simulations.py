@@ -22,9 +22,10 @@ from cleancli.api.lessons import Counting
 from cleancli.api.plain import fields_of
 from cleancli.api.seen import seen
 from cleancli.api.simulated_experience import write_experience
-from cleancli.api.simulation_result import SimulationResult
+from cleancli.api.simulation_result import DeadEnds, SimulationResult
 from cleancli.compiler.horizon import first_horizon
 from cleancli.compiler.rewards import usual_objective
+from cleancli.compiler.short_horizon import dead_ends
 from cleancli.language.diagnostics.plural import plural
 from cleancli.language.load import located_in
 from cleancli.language.model import Horizon, Problem, Unlimited
@@ -36,8 +37,9 @@ from cleancli.planning.refusal import planning_refused
 from cleancli.planning.registry import PLANNERS
 from cleancli.simulation.batch import Batch, spread
 from cleancli.simulation.compatibility import refuse_unlike
-from cleancli.simulation.episode import Episode, EpisodeLimits, Reason
+from cleancli.simulation.episode import Episode, EpisodeLimits, Reason, end_of
 from cleancli.simulation.summary import summarized
+from cleancli.simulation.symbolic_world import world_of
 
 PLAN = "plan"
 STRATEGIES = PLAN, EXPLORE, RANDOM
@@ -220,6 +222,7 @@ def simulation_result(setup: Batch, strategy: str, judged: Iterable[Judged]) -> 
         short_horizon=_short_horizon(setup, chain(*found)),
         lengths=_lengths(setup, tuple(chain(*found))) if setup.planners else None,
         hopeless=_is_hopeless(setup, chain(*found)),
+        dead_ends=tuple(_dead_ends(setup, each) for each in found),
         variations=tuple(zip(*(each.variations for each in ordered), strict=True)),
     )
 
@@ -236,6 +239,16 @@ def _short_horizon(setup: Batch, played: Iterable[Episode]) -> tuple[int, int] |
 def _is_hopeless(setup: Batch, played: Iterable[Episode]) -> bool:
     """Whether it is known that no episode could reach the goal."""
     return not any(each.success for each in played) and is_hopeless(setup.world, setup.problem)
+
+
+def _dead_ends(setup: Batch, played: Iterable[Episode]) -> DeadEnds | None:
+    """Of the episodes that a planner gave up, those in which the goal could no longer be reached."""
+    given_up = [each for each in played if each.reason is Reason.IDLE and each.success is False]
+    if not given_up or not setup.problem.goal:
+        return None
+    world = world_of(setup.world, setup.problem, setup.timed)
+    number = dead_ends(world.task, (end_of(world, each, setup.options.seed) for each in given_up))
+    return DeadEnds(number, len(given_up)) if number else None
 
 
 def _lengths(setup: Batch, played: Sequence[Episode]) -> str | None:

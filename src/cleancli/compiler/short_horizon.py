@@ -6,8 +6,9 @@ looked at one by one; of problems that have too many nothing is said.
 
 from __future__ import annotations
 
-from collections.abc import Iterator
-from dataclasses import dataclass
+from collections import Counter
+from collections.abc import Iterable, Iterator
+from dataclasses import dataclass, replace
 
 from cleancli.compiler.semantics import changed, reaches_goal
 from cleancli.compiler.task import GroundState, Task, holds
@@ -57,6 +58,19 @@ def out_of_reach(task: Task, problem: Problem) -> bool:
     """Whether it is known that the goal of a task's problem never holds, if it has one. The task has no
     conditions for it where what is static already rules it out."""
     return bool(problem.goal) and (not task.goal or goal_distance(task).least is None)
+
+
+def dead_ends(task: Task, states: Iterable[GroundState]) -> int | None:
+    """How many of the states are such that no action can lead to the goal any more; None where that is too
+    much work to know of one of them."""
+    counts = Counter(states)
+    found = 0
+    for state, times in counts.items():
+        distance = goal_distance(replace(task, initial=state))
+        if not distance.exact:
+            return None
+        found += times if distance.least is None else 0
+    return found
 
 
 def short_horizon(task: Task) -> ShortHorizon | None:

@@ -130,6 +130,12 @@ def replayed(
         yield before, step, state
 
 
+def end_of(world: World, played: Episode, seed: int) -> GroundState:
+    """The state that an episode ended in."""
+    states = [after for _, _, after in replayed(world, played, seed)]
+    return states[-1] if states else world.task.initial
+
+
 def returns(
     world: World, steps: Sequence[DrawnStep], waits: Sequence[float], last: GroundState, length: int
 ) -> tuple[float, float]:
