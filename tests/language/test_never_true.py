@@ -68,3 +68,35 @@ def test_a_goal_asks_too_and_each_asker_is_named_once() -> None:
     (told,) = warned(goal="goal { load(a) = 2 }")
     assert told.endswith("asked for by the goal")
     assert warned(goal="goal { not dirt(a) }") == []
+
+
+KINDS = """domain d {
+  types { shirt }
+  predicates { clean(?s - shirt)  delicate(?s - shirt)%s  near(?a ?b - shirt) [static] }
+  functions { size(?s - shirt): small < medium < big [static] }
+  derived { left := count ?s - shirt: not clean(?s) }
+  actions { scrub(?s - shirt)  fold(?s - shirt) }
+  rule gently: scrub(?s) { when delicate(?s) then 0.5: clean(?s) rest: nothing }
+  rule harshly: scrub(?s) { when not delicate(?s) then 0.9: clean(?s) rest: nothing }
+  rule fold_small: fold(?s) { when size(?s) = small, clean(?s) then 0.8: not clean(?s) rest: nothing }
+  rule fold_big: fold(?s) { when size(?s) = %s, near(?s, ?s) then 0.8: not clean(?s) rest: nothing }
+  reward { decrease(left) }
+}"""
+
+
+def kinds(static: str = " [static]", big: str = "big", init: str = "size(a) = small", goal: str = "") -> str:
+    """What is said never to hold, of a problem with one shirt."""
+    domain = load_domain(Source("d.nid", KINDS % (static, big)))
+    text = f"problem p {{ domain = d objects {{ a - shirt }} init {{ {init} }} {goal} }}"
+    found = checked_problem(Source("p.nid", text), domain).diagnostics
+    return ", ".join(d.message.split("`")[1] for d in found if d.code == "W402")
+
+
+def test_kinds_of_objects_that_a_problem_lacks_are_no_mistake_where_rules_tell_them_apart() -> None:
+    """A rule for the shirts that there are stands beside each rule for those that there are not. Where one
+    stands alone, where the symbol is not static, and in a goal it is told as before."""
+    assert kinds() == "near(?a, ?b)"
+    assert kinds(init="size(a) = small, near(a, a), delicate(a)") == ""
+    assert kinds(init="size(a) = medium, near(a, a)") == "size(?s) = big, size(?s) = small"
+    assert kinds(static="", init="size(a) = small, near(a, a)") == "delicate(?s)"
+    assert kinds(init="size(a) = small, near(a, a)", goal="goal { delicate(a) }") == "delicate(?s)"

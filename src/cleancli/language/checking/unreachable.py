@@ -6,7 +6,7 @@ effects together, whichever the objects, so that a warning is always right and s
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 
 from cleancli.language.diagnostics.diagnostic import Span
 from cleancli.language.diagnostics.sink import Findings
@@ -20,6 +20,7 @@ from cleancli.language.model import (
     Quantified,
     Rule,
     Shift,
+    Symbol,
     Value,
 )
 from cleancli.language.printing.printer import print_literal, symbols_of
@@ -32,17 +33,36 @@ def warn_impossible(problem: Problem, domain: Domain, where: Span, findings: Fin
     possible = _possible(problem, domain)
     symbols = symbols_of(domain)
     needing: dict[str, list[str]] = {}
-    askers = [(f"the rule `{rule.name}`", _needed(rule)) for rule in domain.rules]
-    for who, literals in [*askers, ("the goal", iter(_literals(problem.goal)))]:
-        for literal in literals:
-            if literal.symbol in possible and not possible[literal.symbol] & literal.values:
-                generic = Literal(literal.symbol, symbols[literal.symbol].parameters, literal.values)
-                needing.setdefault(print_literal(generic, symbols), []).append(who)
+    for rule in domain.rules:
+        for literal in _needed(rule):
+            if _is_impossible(literal, possible):
+                static = symbols[literal.symbol].static
+                if not static or not _has_other_kind(rule, literal.symbol, domain, possible):
+                    needing.setdefault(_generic(literal, symbols), []).append(f"the rule `{rule.name}`")
+    for literal in _literals(problem.goal):
+        if _is_impossible(literal, possible):
+            needing.setdefault(_generic(literal, symbols), []).append("the goal")
     for shown, users in needing.items():
         names = list(dict.fromkeys(users))
         more = f" and {len(names) - _MOST_NAMED} more" if len(names) > _MOST_NAMED else ""
         message = f"`{shown}` never holds in this problem: no fact and no rule makes it so"
         findings.warning("W402", message, where, help=f"asked for by {', '.join(names[:_MOST_NAMED])}{more}")
+
+
+def _is_impossible(literal: Literal, possible: Mapping[str, set[Value]]) -> bool:
+    return literal.symbol in possible and not possible[literal.symbol] & literal.values
+
+
+def _has_other_kind(rule: Rule, symbol: str, domain: Domain, possible: Mapping[str, set[Value]]) -> bool:
+    """Whether another rule of the action asks for a kind of objects, by a static symbol, that there may be: a
+    problem need not have all kinds."""
+    others = (other for other in domain.rules if other.action == rule.action and other != rule)
+    literals = (literal for other in others for literal in _needed(other) if literal.symbol == symbol)
+    return any(not _is_impossible(literal, possible) for literal in literals)
+
+
+def _generic(literal: Literal, symbols: Mapping[str, Symbol]) -> str:
+    return print_literal(Literal(literal.symbol, symbols[literal.symbol].parameters, literal.values), symbols)
 
 
 def _possible(problem: Problem, domain: Domain) -> dict[str, set[Value]]:
