@@ -248,3 +248,22 @@ def test_what_a_problem_says_is_no_option(capsys: pytest.CaptureFixture[str]) ->
     assert "'--horizon'. The problem's file says it: `horizon = 10`." in capsys.readouterr().err
     assert run(["plan", "cleaning", "three_areas", "--sampels", "5"]) == 2
     assert "Did you mean '--samples'?" in capsys.readouterr().err
+
+
+def test_steps_towards_a_goal_without_a_horizon_say_how_likely_it_holds(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    """docs/planning.md: no reward counts there; a pot is fired with 0.7, and only then sold."""
+    (tmp_path / "kiln.nid").write_text(BREAKING.replace("0.3", "0.7"), encoding="utf-8")
+    plan = ["plan", str(tmp_path / "kiln.nid"), str(tmp_path / "pot.nid"), "--planner", "exact", "--explain"]
+    for horizon, column, last in (("unlimited", "goal", "0.700"), ("4", "reward", "0.700")):
+        problem = f"problem pot {{ domain = kiln goal {{ sold() }} horizon = {horizon} }}"
+        (tmp_path / "pot.nid").write_text(problem, encoding="utf-8")
+        assert run(plan) == 0
+        out = capsys.readouterr().out
+        assert out.split()[:8] == ["step", "covered", "by", column, "chance", "what", "may", "happen"]
+        assert ["2.", "sell()", "0.700", "selling", last, "0.700", "sold()"] in map(
+            str.split, out.splitlines()
+        )
+        assert ("reward" in out) == (horizon == "4")
+        assert ("goal: that it holds after the step" in out) == (horizon == "unlimited")

@@ -16,9 +16,6 @@ from cleancli.planning.request import PlanningRequest
 SHOWN = 3
 """Results of a step that the table shows; the others are in the data."""
 
-WORDS = (0, 2, 6)
-"""Columns of the table that hold words."""
-
 
 @dataclass(frozen=True, slots=True)
 class CoveringRule:
@@ -40,7 +37,8 @@ class ExpectedOutcome:
 @dataclass(frozen=True, slots=True)
 class ExpectedStep:
     """One step of a plan: how likely a rule covers it, what it pays (not discounted), what remains after it
-    of the count that the reward wants decreased, and what may happen, likeliest first."""
+    of the count that the reward wants decreased, and what may happen, likeliest first. `goal`: where the
+    horizon is unlimited, so that no reward counts, the probability that the goal holds after it."""
 
     action: str
     covered: float
@@ -48,6 +46,7 @@ class ExpectedStep:
     reward: float
     remaining: float | None
     outcomes: tuple[ExpectedOutcome, ...]
+    goal: float | None
 
 
 @dataclass(frozen=True, slots=True)
@@ -63,17 +62,25 @@ class Expected:
     def source(self) -> str:
         """Where the numbers come from."""
         source = "the exact distribution" if self.runs is None else f"{self.runs} drawn runs"
+        if self._is_for_goal:
+            return f"probabilities from {source}; goal: that it holds after the step"
         return f"probabilities and expected rewards from {source}; reward is not discounted"
+
+    @property
+    def _is_for_goal(self) -> bool:
+        return any(step.goal is not None for step in self.steps)
 
     def table(self) -> TextTable:
         """A row for each likely result of each step; the first also says what is expected of the step."""
-        heads = ("step", "covered", "by", "reward", "left", "chance", "what may happen")
+        paid = "goal" if self._is_for_goal else "reward"
+        left = () if self.remaining is None else ("left",)
+        heads = ("step", "covered", "by", paid, *left, "chance", "what may happen")
         rows: list[tuple[str, ...]] = []
         if self.remaining is not None:
             rows.append(("start", "", "", "", f"{self.remaining:z.3f}", "", ""))
         for number, step in enumerate(self.steps, start=1):
             rows += _rows(number, step)
-        return TextTable(heads, tuple(rows), WORDS)
+        return TextTable(heads, tuple(rows), (0, 2, len(heads) - 1))
 
 
 def expected_of(job: PlanningRequest, found: Forecast) -> Expected:
@@ -86,7 +93,8 @@ def _step(job: PlanningRequest, step: ForecastStep) -> ExpectedStep:
     rules = tuple(CoveringRule(job.domain.rules[rule].name, probability) for rule, probability in step.rules)
     outcomes = tuple(_outcome(job, result) for result in step.results)
     action = str(job.task.actions[step.action])
-    return ExpectedStep(action, step.covered, rules, step.reward, step.remaining, outcomes)
+    goal = None if job.task.reaching is None else step.goal
+    return ExpectedStep(action, step.covered, rules, step.reward, step.remaining, outcomes, goal)
 
 
 def _outcome(job: PlanningRequest, result: Result) -> ExpectedOutcome:
@@ -95,12 +103,13 @@ def _outcome(job: PlanningRequest, result: Result) -> ExpectedOutcome:
 
 
 def _rows(number: int, step: ExpectedStep) -> list[tuple[str, ...]]:
-    left = "" if step.remaining is None else f"{step.remaining:z.3f}"
+    paid = step.reward if step.goal is None else step.goal
+    told = [f"{each:z.3f}" for each in (paid, step.remaining) if each is not None]
     rows: list[tuple[str, ...]] = []
     pairs = itertools.zip_longest(_covering(step), _likely(step), fillvalue=None)
     for index, (rule, result) in enumerate(pairs):
         head = (f"{number}. {step.action}", _chance(step.covered)) if index == 0 else ("", "")
-        numbers = (f"{step.reward:z.3f}", left) if index == 0 else ("", "")
+        numbers = told if index == 0 else [""] * len(told)
         rows.append((*head, rule or "", *numbers, *(result or ("", ""))))
     return rows
 

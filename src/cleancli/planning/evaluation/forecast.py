@@ -11,10 +11,10 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from cleancli.array_types import Floats
+from cleancli.array_types import Bools, Floats
 from cleancli.compiler.lowering.state_tables import Process
 from cleancli.compiler.semantics import SupportTooLargeError
-from cleancli.compiler.task import Task
+from cleancli.compiler.task import GroundCondition, Task
 from cleancli.language.model import OutcomeKind
 from cleancli.planning.compiled_task import Prepared
 from cleancli.planning.evaluation.state_distribution import (
@@ -53,7 +53,7 @@ class ForecastStep:
     covers the state, `rules` pairs (index in the domain, probability), likeliest first, as `results` are.
 
     `reward` is not discounted; `remaining` is the count that the reward wants decreased, after the step, None
-    where there is none.
+    where there is none. `goal`: the probability that the goal holds after the step.
     """
 
     action: int
@@ -62,6 +62,7 @@ class ForecastStep:
     reward: float
     results: tuple[Result, ...]
     remaining: float | None
+    goal: float
 
 
 @dataclass(frozen=True, slots=True)
@@ -122,6 +123,7 @@ def _forecast(
             action,
             reward=paid[i][0] - paid[i + 1][0] + paid[i + 1][1] - spent(p, course[i], action),
             remaining=counts[i + 1],
+            goal=_goal(task, course[i + 1]),
         )
         for i, action in enumerate(actions)
     )
@@ -129,7 +131,14 @@ def _forecast(
 
 
 def _step(
-    task: Task, p: Process, before: Spread, action: int, *, reward: float, remaining: float | None
+    task: Task,
+    p: Process,
+    before: Spread,
+    action: int,
+    *,
+    reward: float,
+    remaining: float | None,
+    goal: float,
 ) -> ForecastStep:
     rule = covering(p, before.states, action)
     chance = np.bincount(rule + 1, before.weights, minlength=len(task.rules) + 1)[1:]
@@ -147,6 +156,7 @@ def _step(
         reward=reward,
         results=tuple(sorted(results, key=lambda r: (-r.probability, r.kind.value, r.effects))),
         remaining=remaining,
+        goal=goal,
     )
 
 
@@ -154,10 +164,20 @@ def _counted(task: Task, spread: Spread) -> float | None:
     """The expected number of counted conditions that hold; None where the reward decreases no count."""
     if task.counted is None:
         return None
-    total = 0.0
-    for condition in task.counted:
-        fits = np.ones(len(spread.states), dtype=np.bool_)
-        for variable, allowed in condition:
-            fits &= np.isin(spread.states[:, variable], sorted(allowed))
-        total += float(spread.weights @ fits)
-    return total
+    return sum(float(spread.weights @ _holding(condition, spread)) for condition in task.counted)
+
+
+def _goal(task: Task, spread: Spread) -> float:
+    """The probability that the goal holds; 0 without one."""
+    holds = np.zeros(len(spread.states), dtype=np.bool_)
+    for condition in task.goal:
+        holds |= _holding(condition, spread)
+    return float(spread.weights @ holds)
+
+
+def _holding(condition: GroundCondition, spread: Spread) -> Bools:
+    """In which states a condition holds."""
+    fits = np.ones(len(spread.states), dtype=np.bool_)
+    for variable, allowed in condition:
+        fits &= np.isin(spread.states[:, variable], sorted(allowed))
+    return fits
