@@ -16,7 +16,7 @@ from cleancli.language.model import Assign, Literal, Reference, Variable
 from cleancli.learning.drawn_states import drawn_states
 from cleancli.learning.structure.arrays import UNDEFINED, compiled
 from cleancli.learning.structure.contexts import EACH, Leaf, Question, Questions, Tree, asked_of, tree
-from cleancli.learning.structure.outcomes import Possible
+from cleancli.learning.structure.outcomes import Possible, chosen
 from cleancli.learning.structure.rules import described
 from cleancli.learning.structure.terms import Named, named
 
@@ -102,6 +102,13 @@ def test_a_rare_outcome_of_a_reference_costs_no_rule_its_transitions(rare: int, 
     assert len(found.leaf.rows) == covered
     assert found.references == (() if covered == 20 else (reference,))
     assert lost > 0
+
+
+def test_what_nothing_explains_is_noise_however_much_it_changed() -> None:
+    """Of a change of hundreds of facts even the likelihood as noise is 0 in floats."""
+    everything = Possible((), np.zeros((1, 1)), np.zeros(7, dtype=np.int64))
+    kept, probabilities = chosen(everything, np.array([7.0]), np.zeros(0))
+    assert (kept, probabilities.tolist()) == ([], [1.0])
 
 
 def test_what_an_outcome_changes_is_a_likely_question_and_so_is_an_argument_that_nothing_names() -> None:

@@ -133,4 +133,6 @@ def chosen(possible: Possible, counts: Floats, costs: Floats) -> tuple[list[int]
         kept[listed[best]] = False
         beliefs = fitted(seen[None], likely, tried[best], SOME_ROUNDS)[0]
     beliefs = fitted(seen[None], likely, beliefs)[0]
+    if not beliefs.any():  # even noise is less likely than a float can tell, where very much changed at once
+        beliefs[-1] = 1
     return list(map(int, np.flatnonzero(kept[:number]))), beliefs[[*kept[:number], True]]
