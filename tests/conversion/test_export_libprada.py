@@ -12,7 +12,7 @@ from cleancli.cli.main import run
 from cleancli.language.diagnostics.diagnostic import Source
 from cleancli.language.diagnostics.refused import Refused
 from cleancli.language.load import load_domain, load_problem
-from cleancli.language.model import Assign
+from cleancli.language.model import Assign, Domain, Problem
 from cleancli.planning.plan import BadOption
 from support.export_texts import LAMPS
 from support.exported_libprada import disagreements, library_of, written
@@ -172,6 +172,67 @@ def test_rules_for_each_case_of_what_is_referred_to_are_told() -> None:
     assert told.endswith(": lift_it")
     plain = CASES.replace("if wet(?o) => wet(?b)", "wet(?b)")
     assert not any("refer to" in note for note in cleancli.convert(plain, SOME, to="libprada").notes)
+
+
+AGAIN = """
+domain again {
+  types      { thing; box - thing }
+  constants  { one - thing }
+  predicates { wet(?t - thing)  near(?t - thing)  gone(?t - thing) }
+  functions  { load(?t - thing): 0..2 }
+  actions    { act() }
+  rule act_it: act() {
+    with ?o - thing: near(?o)
+    with REFERENCE
+    then 0.5: EFFECTS
+         rest: gone(one)
+  }
+  reward     { goal }
+}
+"""
+
+
+def _again(reference: str, effects: str) -> tuple[Domain, Problem]:
+    text = AGAIN.replace("REFERENCE", reference).replace("EFFECTS", effects)
+    domain = load_domain(Source("again.nid", text))
+    some = "problem some { domain = again objects { b c - box } init { near(b), load(b) = 0, load(c) = 2, "
+    some += "load(one) = 1 } goal { gone(b) } horizon = 3 }"
+    return domain, load_problem(Source("some.nid", some), domain)
+
+
+@pytest.mark.parametrize(
+    ("reference", "effects"),
+    [
+        ("?s - thing: ?s = ?o", "not near(?s)"),
+        ("?s - thing: ?o = ?s", "load(?s) := 1, if wet(?s) => gone(?s)"),
+        ("?s - thing: ?s = ?o", "load(?o) += 1, load(?s) += 1, not near(?o)"),
+        ("?s - thing: ?s = ?o", "forall ?t - thing: near(?t), ?t != ?s => gone(?t), wet(?s)"),
+        ("?s - thing: ?s = one", "not near(?s), near(?o)"),
+        ("?s ?t - thing: ?s = ?t, ?t = ?o", "not near(?s), gone(?t)"),
+        ("?s - thing: ?s = ?o with ?t - thing: ?t = ?s", "not near(?t)"),
+    ],
+)
+def test_effects_on_what_a_later_reference_asks_of_again(reference: str, effects: str) -> None:
+    domain, problem = _again(reference, effects)
+    assert not any("all references" in note for note in written(domain, problem).notes)
+    assert list(disagreements(domain, problem, 60, np.random.default_rng(3))) == []
+
+
+@pytest.mark.parametrize(
+    ("reference", "context"),
+    [
+        ("?s - thing: ?s = ?o, not wet(?s)", "thing(O) near(O) -wet(O)"),
+        ("?s - box: ?s = ?o", "thing(O) box(O) near(O)"),
+    ],
+)
+def test_a_later_reference_that_asks_more_is_told(reference: str, context: str) -> None:
+    """There one of several that are near is found where the others are wet, or no boxes."""
+    domain, problem = _again(reference, "not near(?s)")
+    made = written(domain, problem)
+    (told,) = [note for note in made.notes if "refer to" in note]
+    assert told.endswith(": act_it")
+    assert f"CONTEXT:\n  {context}\n" in made.texts["rules.dat"]
+    assert list(disagreements(domain, problem, 60, np.random.default_rng(3))) == []
 
 
 LAMPS_RULES = """\

@@ -6,7 +6,6 @@ what it refers to fits.
 
 from __future__ import annotations
 
-from collections import Counter
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from fractions import Fraction
@@ -29,7 +28,7 @@ from cleancli.conversion.read import read
 from cleancli.conversion.records import Atom, Library, LibraryRule, is_variable, variables_of
 from cleancli.language.diagnostics.diagnostic import Source
 from cleancli.language.diagnostics.refused import Refused
-from cleancli.language.model import Domain, Problem
+from cleancli.language.model import Domain, Problem, Rule
 from support.exported_ppddl import at_most_one_covers, calls, drawn_values
 
 World = frozenset[tuple[str, ...]]
@@ -56,7 +55,8 @@ def library_of(made: Written) -> Library:
 @dataclass(frozen=True)
 class Called:
     """What the files of a domain and a problem call its things; `fixed` are the atoms of symbols that the
-    domain does not have, `divided` the actions that have more rules than in the domain."""
+    domain does not have, `divided` the actions of rules of which a note tells that what they refer to is
+    found in another way there."""
 
     vocabulary: Vocabulary
     numbers: Mapping[str, str]
@@ -75,27 +75,28 @@ class Called:
         return tuple(self.numbers[name] for name in names)
 
 
-def called(domain: Domain, problem: Problem, library: Library) -> Called:
-    """The names of a domain and a problem in their files."""
+def called(domain: Domain, problem: Problem, library: Library, notes: Sequence[str]) -> Called:
+    """The names of a domain and a problem in their files, of which notes were told."""
     names = LibpradaNames(domain, problem)
     vocabulary = vocabulary_of(domain, names)
     others = (fact for fact in library.facts if fact.symbol not in vocabulary.meanings)
     fixed = frozenset((fact.symbol, *fact.terms) for fact in others)
     actions = {action.name: names.of(action.name, "action") for action in domain.actions}
-    count = Counter(rule.action.symbol for rule in library.rules)
-    own = Counter(rule.action for rule in domain.rules)
-    divided = frozenset(name for name, there in actions.items() if count[there] > own[name])
+    told = {name for note in notes if "refer to" in note for name in note.split(": ")[1].split(", ")}
+    divided = frozenset(rule.action for rule in domain.rules if rule.name in told)
     return Called(vocabulary, names.numbers, actions, fixed, divided)
 
 
 @dataclass(frozen=True)
 class Step:
-    """An action in a state, and what the domain says of it; nothing where no rule covers the state."""
+    """An action in a state, and what the domain says of it; nothing where no rule covers the state. It is
+    `exact` where all probabilities of the rule can be written to the last digit."""
 
     action: str
     names: tuple[str, ...]
     before: World
     wanted: Sequence[Distribution]
+    exact: bool
 
 
 def steps(
@@ -115,11 +116,17 @@ def steps(
             continue
         if action in files.divided and _several_fit(rules, state, action, names):
             continue
+        found = rules.covering(state, action, names)
         try:
-            wanted = _expected(rules, problem, values, action, names, files)
+            wanted = [] if found is None else [_expected(rules, state, values, *found, files)]
         except Refused:
             continue
-        yield Step(action, names, files.world(domain, values), wanted)
+        exact = found is None or _are_written_exactly(domain.rules[found[0]])
+        yield Step(action, names, files.world(domain, values), wanted, exact)
+
+
+def _are_written_exactly(rule: Rule) -> bool:
+    return all(10**15 % outcome.probability.denominator == 0 for outcome in rule.outcomes)
 
 
 def _several_fit(rules: LiftedRules, state: LiftedState, action: str, names: tuple[str, ...]) -> bool:
@@ -136,8 +143,9 @@ def _several_fit(rules: LiftedRules, state: LiftedState, action: str, names: tup
 def disagreements(domain: Domain, problem: Problem, states: int, rng: np.random.Generator) -> Iterator[str]:
     """Where the files do something else, in so many random states, by an action each. Raises Refused for what
     libPRADA can't say."""
-    library = library_of(written(domain, problem))
-    files = called(domain, problem, library)
+    made = written(domain, problem)
+    library = library_of(made)
+    files = called(domain, problem, library, made.notes)
     objects = list(files.numbers.values())
     for step in steps(domain, problem, files, states, rng):
         acting = [rule for rule in library.rules if rule.action.symbol == files.actions[step.action]]
@@ -145,44 +153,35 @@ def disagreements(domain: Domain, problem: Problem, states: int, rng: np.random.
         actual = [each for each in found if each is not None]
         if len(actual) > 1:  # where more than one rule covers, the default rule counts (Pasula et al. 2007)
             actual = []
-        if not _same(actual, step.wanted):
+        if not _same(actual, step):
             yield f"{step.action}{step.names} in {sorted(step.before)}: {actual} and not {step.wanted}"
 
 
-def _same(actual: Sequence[Distribution], wanted: Sequence[Distribution]) -> bool:
-    """Whether they are as likely to the last digit; to the fifteenth where that is no decimal."""
-    return len(actual) == len(wanted) and all(
-        one.keys() == other.keys()
-        and all(one[world] == chance or _is_near(one[world], chance) for world, chance in other.items())
-        for one, other in zip(actual, wanted, strict=True)
+def _same(actual: Sequence[Distribution], step: Step) -> bool:
+    """Whether the same is as likely: to the last digit, and to 1e-14 where what is written is rounded."""
+    most = Fraction(0) if step.exact else Fraction(1, 10**14)
+    return len(actual) == len(step.wanted) and all(
+        one.keys() == other.keys() and all(abs(one[world] - other[world]) <= most for world in other)
+        for one, other in zip(actual, step.wanted, strict=True)
     )
-
-
-def _is_near(written: Fraction, chance: Fraction) -> bool:
-    return 10**15 % chance.denominator != 0 and abs(written - chance) < Fraction(1, 10**14)
 
 
 def _expected(
     rules: LiftedRules,
-    problem: Problem,
+    state: LiftedState,
     values: Values,
-    action: str,
-    names: tuple[str, ...],
+    number: int,
+    bound: tuple[str, ...],
     files: Called,
-) -> list[Distribution]:
-    """What the domain says of an action; nothing where no rule covers the state."""
-    state = rules.state(problem.objects, values)
-    found = rules.covering(state, action, names)
-    if found is None:
-        return []
-    number, bound = found
+) -> Distribution:
+    """What a rule of the domain that covers the state leads to."""
     likely: Distribution = {}
     outcomes = rules.domain.rules[number].outcomes
     for outcome, changed in zip(outcomes, results(rules, state, number, bound), strict=True):
         if outcome.probability:
             after = files.world(rules.domain, {**values, **changed})
             likely[after] = likely.get(after, Fraction(0)) + outcome.probability
-    return [likely]
+    return likely
 
 
 def _done(

@@ -61,11 +61,12 @@ class Returned:
 def through_libprada(domain: Domain, problem: Problem) -> Returned:
     """The domain, written for libPRADA and converted back. Raises Refused for what libPRADA can't say, or
     what can't be read back."""
-    texts = written(domain, problem).texts
-    rules, state, symbols = (Source(name, texts[name]) for name in FILES)
+    there = written(domain, problem)
+    rules, state, symbols = (Source(name, there.texts[name]) for name in FILES)
     made = convert(rules, state, symbols, Wishes(reward="cost"), ("domain.nid", "problem.nid"))
     back = load_domain(made.sources[0])
-    return Returned(back, load_problem(made.sources[1], back), made, called(domain, problem, made.library))
+    files = called(domain, problem, made.library, there.notes)
+    return Returned(back, load_problem(made.sources[1], back), made, files)
 
 
 def disagreements(

@@ -6,7 +6,7 @@ happens to each of them where the guard holds of it.
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from itertools import product
 from math import prod
 
@@ -63,11 +63,13 @@ class Instances:
                 return join(self.formula(each) for each in self._each(part, variables))
         return formula
 
-    def changes(self, changes: Iterable[Change]) -> tuple[Change, ...]:
-        """The changes of each object by itself, whose guards have no quantifiers."""
+    def changes(self, changes: Iterable[Change], names: Mapping[Term, Term]) -> tuple[Change, ...]:
+        """The changes of each object by itself, whose guards have no quantifiers; with other terms for free
+        variables that have `names`."""
         found: dict[Change, None] = {}
         for change in changes:
-            for terms in self._bindings(change.variables):
+            for things in self._bindings(change.variables):
+                terms = {**names, **things}
                 guard = self.formula(self._formulas.renamed(change.guard, terms))
                 if guard != NEVER:
                     here = tuple(terms.get(term, term) for term in change.terms)

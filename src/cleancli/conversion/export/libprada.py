@@ -29,6 +29,7 @@ from cleancli.conversion.pddl.formula import (
     Both,
     assuming,
     both,
+    free_variables,
 )
 from cleancli.language.model import (
     Count,
@@ -85,6 +86,7 @@ class _Writer:
         self._written_out = self._has_reward = False
         self._counts_left_out: list[str] = []
         self._divided: list[str] = []
+        self._asking_again: list[str] = []
 
     # ---- rules.dat
 
@@ -103,18 +105,21 @@ class _Writer:
         asked = [rule.condition, *(reference.condition for reference in rule.references)]
         known = both(self._formulas.condition(condition) for condition in asked)
         known = self._formulas.renamed(known, again)
+        if self._asks_again(rule, referred, again):
+            self._asking_again.append(rule.name)
         # What is referred to is as good as a parameter: the library finds the one binding itself.
-        plain = replace(rule, references=(), variables=(*rule.variables, *referred))
+        scope = (*rule.variables, *(v for reference in rule.references for v in reference.variables))
+        plain = replace(rule, references=(), variables=scope)
         outcomes = [outcome for outcome in rule.outcomes if outcome.probability]
         done = [(o, changes_of(o, plain, known, self._formulas, self._noise)) for o in outcomes]
         if moving := self._formulas.forget_moving():
             raise NotSaid(moving[0])
         instances = Instances(self._formulas, self._problem)
         known = instances.formula(known)
-        done = [(outcome, instances.changes(changes)) for outcome, changes in done]
+        done = [(outcome, instances.changes(changes, again)) for outcome, changes in done]
         self._written_out = self._written_out or instances.were_needed
         names = Naming((), folded=False)
-        variables = {each: names.fresh(each.name.upper()) for each in plain.variables}
+        variables = {each: names.fresh(each.name.upper()) for each in (*rule.variables, *referred)}
         guards = [change.guard for _, changes in done for change in changes]
         cases = cases_of(known, guards, instances, self._formulas)
         if differ_in(referred, cases):
@@ -128,10 +133,7 @@ class _Writer:
         done: Sequence[tuple[Outcome, tuple[Change, ...]]],
         variables: Mapping[Variable, str],
     ) -> str:
-        typed = [*rule.variables, *_referred(rule)[0]]
-        kinds = (
-            [f"{self._names.of(v.type, 'type')}({variables[v]})" for v in typed] if self._names.typed else []
-        )
+        kinds = self._kinds(rule, variables) if self._names.typed else ()
         context = [*kinds, *(self._said(part, variables) for part in case)]
         lines: dict[str, Fraction] = {}
         for outcome, changes in done:
@@ -144,6 +146,24 @@ class _Writer:
             lines[text] = lines.get(text, Fraction(0)) + outcome.probability
         head = f"{self._names.of(rule.action, 'action')}({' '.join(variables[v] for v in rule.variables)})"
         return _rule(head, " ".join(context) or "--", [(chance, text) for text, chance in lines.items()])
+
+    def _kinds(self, rule: Rule, variables: Mapping[Variable, str]) -> Iterator[str]:
+        """Of which types what a rule speaks of has to be."""
+        for variable, name in variables.items():
+            yield f"{self._names.of(variable.type, 'type')}({name})"
+        for narrower, term in self._narrower(_referred(rule)[1]):
+            yield f"{self._names.of(narrower.type, 'type')}({self._term(term, variables)})"
+
+    def _narrower(self, again: Mapping[Term, Term]) -> list[tuple[Term, Term]]:
+        """The variables of a type that what they stand for need not have, and what that is."""
+        return [(one, other) for one, other in again.items() if not self._domain.is_a(other.type, one.type)]
+
+    def _asks_again(self, rule: Rule, referred: Sequence[Variable], again: Mapping[Term, Term]) -> bool:
+        """Whether later references ask more of what the first one finds."""
+        asked = both(self._formulas.condition(reference.condition) for reference in rule.references[1:])
+        said = free_variables(self._formulas.renamed(asked, again))
+        narrowed = [term for _, term in self._narrower(again)]
+        return not {*said, *narrowed}.isdisjoint(referred)
 
     def _said(self, part: Literal | Equality, variables: Mapping[Variable, str]) -> str:
         if isinstance(part, Equality):
@@ -278,6 +298,11 @@ class _Writer:
                 "rules for each case of what these refer to, which has to be the only one in its case and not"
                 f" of all: {', '.join(self._divided)}"
             )
+        if self._asking_again:
+            found.append(
+                "what these refer to has to be the only one that all references fit, and not the only one of"
+                f" the first: {', '.join(self._asking_again)}"
+            )
         if self._uses_same:
             found.append(f"`{SAME}` holds of each object and itself: libPRADA has no equality")
         return tuple(found)
@@ -304,10 +329,15 @@ def _referred(rule: Rule) -> tuple[tuple[Variable, ...], Mapping[Term, Term]]:
     first, *later = rule.references
     again: dict[Term, Term] = {}
     for reference in later:
-        for part in reference.condition:
-            if isinstance(part, Equality) and part.equal and part.left in reference.variables:
-                again[part.left] = again.get(part.right, part.right)
-        if not set(reference.variables) <= again.keys():
+        same = [part for part in reference.condition if isinstance(part, Equality) and part.equal]
+        pairs = [pair for part in same for pair in ((part.left, part.right), (part.right, part.left))]
+        left: set[Term] = set(reference.variables)
+        for _ in reference.variables:  # one may be the same as another of them
+            for one, other in pairs:
+                if one in left and other not in left:
+                    again[one] = again.get(other, other)
+                    left.remove(one)
+        if left:
             raise NotSaid("a rule has several references, each of which has to be the only one")
     return first.variables, again
 
