@@ -6,7 +6,8 @@ CPU seconds and the memory of a process that learns from a tenth of them, and fr
 With `--structure` it learns whole rules from the vocabulary alone, also from a hundredth of the lines. All
 are drawn then: by copies chance would look like rules.
 
-About twenty seconds of CPU, with `--structure` three minutes, most of which draw. `--quick` has 2,000 lines, in about eight.
+About twenty seconds of CPU, with `--structure` three minutes, most of which draw. `--quick` has 2,000 lines,
+in about eight.
 """
 
 from __future__ import annotations
