@@ -151,8 +151,7 @@ def execute_series(
     seconds = usual_seconds(given.is_scene) if max_seconds is None else max_seconds
     asked = EpisodeOptions(chosen, planner, samples, max_actions, seconds, learning=method)
     asked = replace(asked, optimism=optimism, structure=structure)
-    acting = None if world is None else load_domain(world)
-    shown_by = None if teacher is None else load_domain(teacher)
+    acting, shown_by = (None if each is None else load_domain(each) for each in (world, teacher))
     inputs = inputs_of(
         given,
         asked,

@@ -5,6 +5,7 @@ from __future__ import annotations
 import json
 from collections.abc import Iterable
 from dataclasses import replace
+from functools import partial
 from math import isnan
 from pathlib import Path
 
@@ -219,10 +220,10 @@ def command(
     ink is left, apart from what perception believed.
     """
     telling = Telling(as_data, quiet, rrd, saved, confirm)
+    follow = partial(followed, telling=telling)
     if resume is not None:
         _refuse_beside_resume()
-        results = resumed(resume, echo_note, lambda opened: followed(opened, telling))
-        return _tell(_shown(results, telling), telling)
+        return _tell(_shown(resumed(resume, echo_note, follow), telling), telling)
     if domain is None or problem is None:
         raise click.UsageError("name a domain and a problem, or a run by --resume")
     _check_together(rrd, episodes, write, learn)
@@ -243,7 +244,7 @@ def command(
     if isinstance(inputs.given, Problem) and not inputs.options.structure:
         tell_unreached(inputs.sources, inputs.domain, inputs.given)
     series = Series(given, inputs, episodes, runs, video, is_own_file(domain), write, may_include_outside())
-    return _tell(_shown(carried_out(series, lambda opened: followed(opened, telling)), telling), telling)
+    return _tell(_shown(carried_out(series, follow), telling), telling)
 
 
 def _check_together(rrd: Path | None, episodes: int, write: bool, learn: bool) -> None:
