@@ -16,7 +16,7 @@ from cleancli.api.runs import OpenedRun, carry_out
 from cleancli.api.series import Series, SeriesResult, carried_out
 from cleancli.api.series_resuming import resumed
 from cleancli.execution.events import Event
-from cleancli.execution.setup import MOST, EpisodeOptions, Job, usual_seconds, usual_strategy
+from cleancli.execution.setup import MOST, EpisodeOptions, Job, or_usual
 from cleancli.execution.strategies import STRATEGIES
 from cleancli.learning.optimism import OPTIMISM
 from cleancli.planning.plan import BadOption
@@ -147,8 +147,7 @@ def execute_series(
     if write:
         check_writable(given.domain.sources[0], is_writable)
     method = counting.method(given.domain.model) if learn else None
-    chosen = strategy or usual_strategy(given.is_scene)
-    seconds = usual_seconds(given.is_scene) if max_seconds is None else max_seconds
+    chosen, seconds = or_usual(given.is_scene, strategy, max_seconds)
     asked = EpisodeOptions(chosen, planner, samples, max_actions, seconds, learning=method)
     asked = replace(asked, optimism=optimism, structure=structure)
     acting, shown_by = (None if each is None else load_domain(each) for each in (world, teacher))

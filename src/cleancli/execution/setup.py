@@ -72,6 +72,13 @@ def usual_seconds(is_scene: bool) -> float:
     return 1800.0 if is_scene else math.inf
 
 
+def or_usual(is_scene: bool, strategy: str | None, max_seconds: float | None) -> tuple[str, float]:
+    """What is asked for, or the usual where nothing is."""
+    return strategy or usual_strategy(is_scene), usual_seconds(
+        is_scene
+    ) if max_seconds is None else max_seconds
+
+
 @dataclass(frozen=True, slots=True)
 class EpisodeOptions:
     """What is asked for. `planner` is the strategy's own where none is given; `by_time`: plans discount by

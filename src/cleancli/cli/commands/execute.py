@@ -27,7 +27,7 @@ from cleancli.cli.unreached import tell_unreached
 from cleancli.cli.usage import is_given, usage_errors
 from cleancli.cli.views.rehearsal import rehearse
 from cleancli.cli.views.run import Telling, echo_note, followed
-from cleancli.execution.setup import MOST, EpisodeOptions, Job, usual_seconds, usual_strategy
+from cleancli.execution.setup import MOST, EpisodeOptions, Job, or_usual, usual_seconds, usual_strategy
 from cleancli.execution.strategies import STRATEGIES
 from cleancli.execution.teaching import ASK
 from cleancli.language.model import Problem
@@ -231,8 +231,7 @@ def command(
     if write and not is_own_file(domain):
         raise ships_with(domain, given.domain)
     method = Counting(estimator, m, match, forgetting).method(given.domain.model) if learn else None
-    known, chosen = _known(known, epsilon, delta), strategy or usual_strategy(given.is_scene)
-    seconds = usual_seconds(given.is_scene) if max_seconds is None else max_seconds
+    known, (chosen, seconds) = _known(known, epsilon, delta), or_usual(given.is_scene, strategy, max_seconds)
     asked = EpisodeOptions(chosen, planner, samples, max_actions, seconds, learning=method)
     asked = replace(asked, optimism=optimism, structure=structure, is_taught=teacher is not None)
     acting, shown_by = None if world is None else open_loaded(world), _shown_by(teacher, telling)
