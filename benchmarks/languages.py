@@ -18,8 +18,9 @@ import argparse
 import sys
 import tempfile
 from collections import Counter
-from collections.abc import Iterator
+from collections.abc import Callable, Iterable, Iterator
 from contextlib import suppress
+from dataclasses import dataclass
 from itertools import chain
 from pathlib import Path
 from random import Random
@@ -77,42 +78,55 @@ def _of_differential(seed: int, folder: Path) -> Given | None:
         return None
 
 
-def in_ppddl(given: Given, states: int, rng: np.random.Generator, counts: Counter[str]) -> str:
-    """What differs as PPDDL, if anything does; what was compared and what was lost is counted."""
+@dataclass(frozen=True)
+class Language:
+    """How domains are written in a language, and come back: `differ` tells where the files do something else,
+    and `returned` what differs first of what has come back, and what was lost."""
+
+    name: str
+    written: str
+    differ: Callable[[Domain, Problem, int, np.random.Generator], Iterator[str]]
+    returned: Callable[[Domain, Problem, int, np.random.Generator], tuple[str, Iterable[str]]]
+
+
+def from_ppddl(
+    domain: Domain, problem: Problem, states: int, rng: np.random.Generator
+) -> tuple[str, Iterable[str]]:
+    """What differs first where the domain has been PPDDL, and what was lost."""
+    back = round_trips.through_ppddl(domain, problem)
+    return next(round_trips.disagreements(domain, problem, back, states, rng), ""), back.lost
+
+
+def from_libprada(
+    domain: Domain, problem: Problem, states: int, rng: np.random.Generator
+) -> tuple[str, Iterable[str]]:
+    """What differs first where the domain has been libPRADA's files; nothing else is lost."""
+    back = libprada_round_trips.through_libprada(domain, problem)
+    return next(libprada_round_trips.disagreements(domain, problem, back, states, rng), ""), ()
+
+
+COMPARED = {
+    "ppddl": Language("PPDDL", "as PPDDL", exported_ppddl.disagreements, from_ppddl),
+    "libprada": Language("libPRADA", "for libPRADA", exported_libprada.disagreements, from_libprada),
+}
+
+
+def difference(
+    language: Language, given: Given, states: int, rng: np.random.Generator, counts: Counter[str]
+) -> str:
+    """What differs in a language, if anything does; what was compared and what was lost is counted."""
     name, domain, problem = given
     try:
-        found = next(exported_ppddl.disagreements(domain, problem, states, rng), "")
-        if found:
-            return f"{name}, PPDDL: {found}"
-        counts["written as PPDDL, the same in all states"] += 1
-        back = round_trips.through_ppddl(domain, problem)
-        found = next(round_trips.disagreements(domain, problem, back, states, rng), "")
+        if found := next(language.differ(domain, problem, states, rng), ""):
+            return f"{name}, {language.name}: {found}"
+        counts[f"written {language.written}, the same in all states"] += 1
+        found, lost = language.returned(domain, problem, states, rng)
     except Refused as refused:
-        counts[_refusal("PPDDL", refused)] += 1
+        counts[_refusal(language.name, refused)] += 1
         return ""
-    counts["came back from PPDDL, the same in all states"] += not found
-    counts.update(f"lost on the way back from PPDDL: {each}" for each in back.lost)
-    return f"{name}, back from PPDDL: {found}" if found else ""
-
-
-def in_libprada(given: Given, states: int, rng: np.random.Generator, counts: Counter[str]) -> str:
-    """What differs in libPRADA's files, if anything does; what was compared and what was lost is counted."""
-    name, domain, problem = given
-    try:
-        found = next(exported_libprada.disagreements(domain, problem, states, rng), "")
-        if found:
-            return f"{name}, libPRADA: {found}"
-        counts["written for libPRADA, the same in all states"] += 1
-        back = libprada_round_trips.through_libprada(domain, problem)
-        found = next(libprada_round_trips.disagreements(domain, problem, back, states, rng), "")
-    except Refused as refused:
-        counts[_refusal("libPRADA", refused)] += 1
-        return ""
-    counts["came back from libPRADA, the same in all states"] += not found
-    return f"{name}, back from libPRADA: {found}" if found else ""
-
-
-COMPARED = {"ppddl": in_ppddl, "libprada": in_libprada}
+    counts[f"came back from {language.name}, the same in all states"] += not found
+    counts.update(f"lost on the way back from {language.name}: {each}" for each in lost)
+    return f"{name}, back from {language.name}: {found}" if found else ""
 
 
 def _refusal(language: str, refused: Refused) -> str:
@@ -186,8 +200,8 @@ def main() -> int:
     with tempfile.TemporaryDirectory() as folder:
         for given in chain(files(rng), drawn(options.domains, options.seed, Path(folder))):
             counts["domains"] += 1
-            for compared in COMPARED.values() if options.only is None else (COMPARED[options.only],):
-                if wrong := compared(given, options.states, rng, counts):
+            for language in COMPARED.values() if options.only is None else (COMPARED[options.only],):
+                if wrong := difference(language, given, options.states, rng, counts):
                     print(wrong)
                     return 1
     for what, count in counts.most_common():
