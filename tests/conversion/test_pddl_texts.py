@@ -15,9 +15,9 @@ from cleancli.conversion.pddl.convert import Converted, Wishes, convert
 from cleancli.language.diagnostics.diagnostic import Source
 from cleancli.language.diagnostics.refused import Refused
 from cleancli.language.load import load_domain, load_problem
-from cleancli.language.model import Domain, Horizon, Problem, RewardKind, Unlimited
+from cleancli.language.model import Domain, Horizon, Price, Problem, RewardKind, Unlimited
 from cleancli.language.printing.formatter import layout
-from cleancli.language.printing.printer import print_cost
+from cleancli.language.printing.printer import print_price
 
 TIDY = Path(__file__).parent / "tidy"
 
@@ -104,7 +104,7 @@ def test_the_problem_says_how_it_ends() -> None:
     domain, problem = models(tidy())
     assert isinstance(problem.horizon, Unlimited)
     assert [term.kind for term in domain.reward] == [RewardKind.GOAL, RewardKind.COST]
-    assert [action.cost for action in domain.actions] == [2, 1, 5]
+    assert [action.cost.number for action in domain.actions] == [2, 1, 5]
     rewarded = "minimize (total-cost) => maximize (reward)"
     made = tidy(metric=rewarded, paid="increase (total-cost) => decrease (reward)")
     domain, problem = models(made)
@@ -120,8 +120,9 @@ def test_what_chance_pays_is_paid_by_its_outcome() -> None:
     half = "(probabilistic 0.5 (increase (total-cost) 5))"
     domain, _ = models(tidy(cost=f"(increase (total-cost) 5) => (and (increase (total-cost) 1) {half})"))
     action = domain.actions[2]
-    paid = {(o.cost, o.probability) for r in domain.rules if r.action == action.name for o in r.outcomes}
-    assert action.cost == 1
+    own = [rule for rule in domain.rules if rule.action == action.name]
+    paid = {(o.cost.number, o.probability) for rule in own for o in rule.outcomes}
+    assert action.cost == Price(Fraction(1))
     assert {cost for cost, _ in paid} == {0, 5}
 
 
@@ -129,30 +130,32 @@ def test_what_costs_depend_on_is_said_by_rules() -> None:
     made = tidy(cost="(increase (total-cost) 1) => (when (wet ?to) (increase (total-cost) 1))")
     domain, _ = models(made)
     assert made.diagnostics == ()
-    assert [action.cost for action in domain.actions if action.name == "move"] == [0]
+    assert [action.cost for action in domain.actions if action.name == "move"] == [Price()]
     rules = [rule for rule in domain.rules if rule.action == "move"]
-    paid = {("not_wet" in rule.name, outcome.cost) for rule in rules for outcome in rule.outcomes}
+    paid = {("not_wet" in rule.name, outcome.cost.number) for rule in rules for outcome in rule.outcomes}
     assert paid == {(False, Fraction(1)), (True, Fraction(0))}
 
 
-def test_functions_that_costs_depend_on_by_a_condition_make_several_actions() -> None:
+def test_functions_that_costs_depend_on_by_a_condition_are_said_by_rules() -> None:
     made = tidy(
         declared="(:functions (total-cost)) => (:functions (total-cost) (far ?p - place))",
         cost="(increase (total-cost) 1) => (when (wet ?to) (increase (total-cost) (far ?to)))",
         values="(:init => (:init (= (far a1) 1) (= (far a2) 4) (= (far bin) 4)",
     )
     domain, _ = models(made)
-    costs = {a.name: print_cost(a) for a in domain.actions if a.name.startswith("move")}
-    assert costs == {"move_wet": "far(?to)", "move_not_wet": "0"}
-    assert "# functions say by conditions what these cost, so each is several actions: move" in made.domain
+    assert made.diagnostics == ()
+    assert [action.cost for action in domain.actions if action.name.startswith("move")] == [Price()]
+    rules = [rule for rule in domain.rules if rule.action == "move"]
+    paid = {("not_wet" in rule.name, print_price(o.cost)) for rule in rules for o in rule.outcomes}
+    assert paid == {(False, "far(?to)"), (True, "0")}
 
 
 def test_what_is_earned_is_said_by_outcomes() -> None:
     rewarded = "minimize (total-cost) => maximize (reward)"
     made = tidy(metric=rewarded, paid="increase (total-cost) => increase (reward)")
     domain, _ = models(made)
-    assert [action.cost for action in domain.actions] == [0, 0, 0]
-    assert {outcome.reward for rule in domain.rules for outcome in rule.outcomes} == {2, 1, 5}
+    assert [action.cost for action in domain.actions] == [Price()] * 3
+    assert {outcome.reward.number for rule in domain.rules for outcome in rule.outcomes} == {2, 1, 5}
 
 
 def test_a_function_of_objects_says_what_an_action_costs() -> None:
@@ -165,7 +168,7 @@ def test_a_function_of_objects_says_what_an_action_costs() -> None:
     domain, problem = models(made)
     assert made.diagnostics == ()
     (move,) = [action for action in domain.actions if action.name.startswith("move")]
-    assert (move.name, print_cost(move)) == ("move", "0.5 * far_off(?from, ?to)")
+    assert (move.name, print_price(move.cost)) == ("move", "0.5 * far_off(?from, ?to)")
     assert (
         "# `far_off` counts parts of 1/2 and has a value in PDDL where `far_off_known` holds" in made.domain
     )
@@ -244,4 +247,4 @@ def test_what_is_earned_back_lowers_a_cost_that_stays() -> None:
     made = tidy(
         cost="(increase (total-cost) 5) => (and (increase (total-cost) 5) (decrease (total-cost) 3/2))"
     )
-    assert models(made)[0].actions[2].cost == Fraction(7, 2)
+    assert models(made)[0].actions[2].cost == Price(Fraction(7, 2))

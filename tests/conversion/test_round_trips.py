@@ -15,6 +15,7 @@ import pytest
 from cleancli.language.diagnostics.diagnostic import Source
 from cleancli.language.find import find
 from cleancli.language.load import load_domain, load_problem, read_source
+from cleancli.language.model import Price
 from support import libprada_round_trips
 from support.export_texts import DRIVEN, TOLL, TOUR
 from support.random_domains import Generator
@@ -61,7 +62,9 @@ def test_what_outcomes_and_objects_cost_comes_back(text: str, goal: str) -> None
     back = through_ppddl(domain, problem)
     assert back.lost == ()
     assert list(disagreements(domain, problem, back, 40, np.random.default_rng(1))) == []
-    dearer = replace(domain, actions=tuple(replace(each, cost=each.cost + 1) for each in domain.actions))
+    dearer = replace(
+        domain, actions=tuple(replace(each, cost=each.cost + Price(Fraction(1))) for each in domain.actions)
+    )
     assert "pays" in next(disagreements(dearer, problem, back, 40, np.random.default_rng(1)))
 
 

@@ -25,6 +25,8 @@ from cleancli.language.model import (
     Object,
     Outcome,
     OutcomeKind,
+    Price,
+    PricePart,
     Problem,
     RewardKind,
     RewardTerm,
@@ -49,6 +51,7 @@ PREDICATES = (
     Symbol("open", ()),
 )
 FUNCTION = Symbol("heat", (Variable("x", "dish"),), ("cold", "warm", "hot", "burnt"))
+FAR = Symbol("far", (Variable("x", "dish"), Variable("y", "dish")), tuple(range(10)), static=True)
 REWARD = (RewardTerm(Fraction(1), RewardKind.DECREASE, "dirty"),)
 VALUE_SETS = [{"cold"}, {"warm"}, {"cold", "warm"}, {"hot", "burnt"}, {"cold", "hot", "burnt"}]
 
@@ -70,6 +73,15 @@ def _counts() -> st.SearchStrategy[Fraction]:
     return st.integers(0, 10**6).map(lambda count: Fraction(count, 10**4))
 
 
+def _prices(least: int) -> st.SearchStrategy[Price]:
+    """Prices whose number and weights are from `least` up, which is 0 or -1."""
+    number = st.fractions(least, 5, max_denominator=12)
+    terms = st.sampled_from([(A, B), (B, A), (A, CONSTANTS[1])])
+    part = st.builds(lambda weight, terms: Price(parts=(PricePart(weight, "far", terms),)), number, terms)
+    parts = st.lists(part, max_size=2)
+    return st.builds(lambda parts, n: sum(parts, Price(n)), parts, number)
+
+
 @st.composite
 def _outcomes(draw: st.DrawFn) -> tuple[Outcome, ...]:
     results: list[tuple[OutcomeKind, tuple[Assign | ForAll, ...]]] = [(OutcomeKind.NOISE, ())]
@@ -83,7 +95,9 @@ def _outcomes(draw: st.DrawFn) -> tuple[Outcome, ...]:
         rest = number == len(results) - 1 and draw(st.booleans())
         prior = None if rest else draw(st.none() | st.fractions(0, 1, max_denominator=1000))
         seen = draw(st.none() | _counts())
-        outcomes.append(Outcome(probabilities[number], kind, effects, prior, seen, rest))
+        paid = (draw(_prices(-1)), draw(_prices(0))) if kind is OutcomeKind.CHANGE else ()
+        noted = prior, seen, rest, None, False, None, None
+        outcomes.append(Outcome(probabilities[number], kind, effects, *noted, *paid))
     return tuple(outcomes)
 
 
@@ -91,10 +105,9 @@ def _moves(duration: float | None) -> st.SearchStrategy[Action]:
     """An action, with what the learner noted of its duration if it has one."""
     if duration is None:
         return st.just(Action("move", (A, B)))
-    cost = st.sampled_from([Fraction(0), Fraction(1, 2)])
     prior, seen = st.none() | st.floats(1e-6, 1e6), st.none() | _counts()
     return st.builds(
-        Action, st.just("move"), st.just((A, B)), st.just(duration), cost, prior, seen, st.booleans()
+        Action, st.just("move"), st.just((A, B)), st.just(duration), _prices(0), prior, seen, st.booleans()
     )
 
 
@@ -117,7 +130,7 @@ def _domains(draw: st.DrawFn) -> Domain:
     )
     duration = draw(st.none() | st.floats(1e-6, 1e6))
     return Domain(
-        "kitchen", TYPES, CONSTANTS, (*PREDICATES, FUNCTION),
+        "kitchen", TYPES, CONSTANTS, (*PREDICATES, FUNCTION, FAR),
         (Count("dirty", (A,), (Literal("clean", (A,), frozenset({False})),)),),
         (draw(_moves(duration)), Action("wait", ())),
         rules, (Outcome(Fraction(1), OutcomeKind.NOTHING),), REWARD,

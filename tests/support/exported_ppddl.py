@@ -7,7 +7,7 @@ stayed, but for letter case.
 from __future__ import annotations
 
 import re
-from collections.abc import Collection, Iterator
+from collections.abc import Collection, Iterator, Mapping
 from fractions import Fraction
 from itertools import product
 
@@ -34,7 +34,18 @@ from cleancli.conversion.pddl.syntax import (
 from cleancli.language.diagnostics.diagnostic import Source
 from cleancli.language.diagnostics.refused import Refused
 from cleancli.language.diagnostics.sink import Findings
-from cleancli.language.model import Domain, Fact, Object, Problem, RewardKind, Symbol, Term, Value, weight_of
+from cleancli.language.model import (
+    Domain,
+    Fact,
+    Object,
+    Price,
+    Problem,
+    RewardKind,
+    Symbol,
+    Value,
+    Variable,
+    weight_of,
+)
 from support.pddl_meaning import Binding, Meaning, World
 
 Distribution = dict[World, Fraction]
@@ -142,10 +153,16 @@ def counted(domain: Domain, problem: Problem, values: Values) -> dict[str, int]:
 def cost(domain: Domain, values: Values, action: str, names: tuple[str, ...]) -> Fraction:
     """What an action costs on objects (docs/language.md, Costs and rewards)."""
     (done,) = (each for each in domain.actions if each.name == action)
-    found = done.cost
-    for part in done.cost_parts:
-        given: dict[Term, str] = dict(zip(done.parameters, names, strict=True))
-        value = values[part.symbol, tuple(given.get(t, t.name) for t in part.terms)]
+    return comes_to(done.cost, values, dict(zip(done.parameters, names, strict=True)))
+
+
+def comes_to(price: Price, values: Values, given: Mapping[Variable, str]) -> Fraction:
+    """What a price comes to for the objects that variables stand for."""
+    found = price.number
+    for part in price.parts:
+        value = values[
+            part.symbol, tuple(given[t] if isinstance(t, Variable) else t.name for t in part.terms)
+        ]
         assert isinstance(value, int)
         found += part.weight * value
     return found
@@ -193,8 +210,10 @@ def expected(
         if outcome.probability:
             world = world_of(rules.domain, after)
             likely[world] = likely.get(world, Fraction(0)) + outcome.probability
-            earned = reward(rules.domain, problem, values, action, names, after) + outcome.reward
-            earned += weight_of(rules.domain, RewardKind.COST) * outcome.cost
+            given = dict(zip(rules[number].variables, bound, strict=True))
+            earned = reward(rules.domain, problem, values, action, names, after)
+            earned += comes_to(outcome.reward, values, given)
+            earned += weight_of(rules.domain, RewardKind.COST) * comes_to(outcome.cost, values, given)
             paid += outcome.probability * earned
     return likely, paid
 
@@ -237,11 +256,7 @@ def mean_paid(meaning: Meaning, node: EffectNode, world: World, binding: Binding
         case PayNode():
             if node.function.symbol.text != "reward":
                 return Fraction(0)
-            if isinstance(node.amount, Fraction):
-                return node.amount
-            value = None if node.amount is None else meaning.value(node.amount, binding)
-            assert value is not None
-            return node.sign * value
+            return meaning.rise(node.amount, binding)
 
 
 def disagreements(domain: Domain, problem: Problem, states: int, rng: np.random.Generator) -> Iterator[str]:

@@ -9,7 +9,7 @@ binding of a `forall` by itself. Of what is deleted and added, all is added.
 from __future__ import annotations
 
 from collections import deque
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from fractions import Fraction
 from itertools import product
@@ -136,21 +136,17 @@ class Meaning:
                 found[nothing] = found.get(nothing, Fraction(0)) + rest
                 return found
             case PayNode():
-                plain = isinstance(node.amount, Fraction)
-                cost = self.cost(node, world, binding) if plain else Fraction(0)
-                return {(frozenset(), frozenset(), cost): Fraction(1)}
+                return {(frozenset(), frozenset(), self.cost(node, world, binding)): Fraction(1)}
 
     def cost(self, node: EffectNode, world: World, binding: Binding) -> Fraction:
         """What an effect costs on average: how much the function rises that the metric wants small, or falls
         that it wants great."""
         match node:
-            case PayNode(function, sign, amount):
+            case PayNode(function, amount):
                 metric = self.problem.metric
                 if metric is None or metric.function != function.symbol:
                     return Fraction(0)
-                value = self.value(amount, binding) if isinstance(amount, AtomNode) else amount
-                assert value is not None
-                rise = sign * value if isinstance(amount, AtomNode) else value
+                rise = self.rise(amount, binding)
                 return -rise if metric.greatest else rise
             case AllNode(parts):
                 return sum((self.cost(part, world, binding) for part in parts), Fraction(0))
@@ -166,21 +162,35 @@ class Meaning:
             case SetNode():
                 return Fraction(0)
 
-    def is_known(self, node: EffectNode, binding: Binding) -> bool:
-        """Whether the values are known that an effect costs whatever holds."""
+    def is_known(self, node: EffectNode, world: World, binding: Binding) -> bool:
+        """Whether the values are known that an effect may cost in a state."""
         match node:
-            case PayNode(function, _, amount):
+            case PayNode(function, amount):
                 metric = self.problem.metric
                 counts = metric is not None and metric.function == function.symbol
-                return (
-                    not (counts and isinstance(amount, AtomNode)) or self.value(amount, binding) is not None
-                )
+                asked = [each for _, each in amount or () if each is not None] if counts else []
+                return all(self.value(each, binding) is not None for each in asked)
             case AllNode(parts):
-                return all(self.is_known(part, binding) for part in parts)
+                return all(self.is_known(part, world, binding) for part in parts)
             case ChanceNode():
-                return all(self.is_known(each, binding) for _, each in node.branches)
-            case WhenNode() | EachNode() | SetNode():
+                return all(self.is_known(each, world, binding) for _, each in node.branches)
+            case WhenNode():
+                held = self.holds(node.condition, world, binding)
+                return not held or self.is_known(node.effect, world, binding)
+            case EachNode():
+                own = self.bindings(node.variables)
+                return all(self.is_known(node.effect, world, {**binding, **one}) for one in own)
+            case SetNode():
                 return True
+
+    def rise(self, amount: Sequence[tuple[Fraction, AtomNode | None]] | None, binding: Binding) -> Fraction:
+        """What a sum of multiples of functions' values comes to at first."""
+        found = Fraction(0)
+        for weight, function in amount or ():
+            value = Fraction(1) if function is None else self.value(function, binding)
+            assert value is not None
+            found += weight * value
+        return found
 
     def value(self, function: AtomNode, binding: Binding) -> Fraction | None:
         """The value that a numeric function has at first."""
@@ -189,7 +199,9 @@ class Meaning:
 
     def successors(self, world: World, action: ActionNode, binding: Binding) -> dict[World, Fraction]:
         """The worlds that an action may lead to, where it may be taken; otherwise the one that is."""
-        if not self.holds(action.precondition, world, binding) or not self.is_known(action.effect, binding):
+        if not self.holds(action.precondition, world, binding) or not self.is_known(
+            action.effect, world, binding
+        ):
             return {world: Fraction(1)}
         found: dict[World, Fraction] = {}
         for (after, _), chance in self.results(world, action, binding).items():

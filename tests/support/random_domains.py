@@ -26,6 +26,7 @@ from cleancli.language.model import (
     Outcome,
     OutcomeKind,
     Parameter,
+    Price,
     Problem,
     Quantified,
     Reference,
@@ -81,7 +82,7 @@ class Generator:
                 Count("reds", (X,), (Literal("red", (X,), TRUE),)),
                 Count("odd", (X,), self._condition([X], 2)),
             ),
-            actions=(Action("one", (X,), cost=Fraction(1, 4)), Action("two", (X, Y))),
+            actions=(Action("one", (X,), cost=Price(Fraction(1, 4))), Action("two", (X, Y))),
             rules=tuple(
                 self._rule(name, action, variables, value)
                 for action, variables in (("one", (X,)), ("two", (X, Y)))

@@ -21,6 +21,7 @@ from cleancli.language.diagnostics.diagnostic import Source
 from cleancli.language.diagnostics.refused import Refused
 from cleancli.language.load import load_domain, load_problem
 from cleancli.language.model import (
+    NOTHING_PAID,
     Domain,
     Fact,
     Horizon,
@@ -64,7 +65,9 @@ def through_ppddl(domain: Domain, problem: Problem) -> Returned:
 def _without_reward(domain: Domain) -> Domain:
     """The domain, in which actions cost something and nothing else is paid."""
     rules = tuple(
-        replace(rule, outcomes=tuple(replace(o, reward=Fraction(0), cost=Fraction(0)) for o in rule.outcomes))
+        replace(
+            rule, outcomes=tuple(replace(o, reward=NOTHING_PAID, cost=NOTHING_PAID) for o in rule.outcomes)
+        )
         for rule in domain.rules
     )
     return replace(domain, rules=rules, reward=(RewardTerm(Fraction(-1), RewardKind.COST),))

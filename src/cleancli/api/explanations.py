@@ -20,6 +20,7 @@ from cleancli.language.model import (
     Fact,
     Literal,
     OutcomeKind,
+    Price,
     Problem,
     Quantified,
     Symbol,
@@ -233,7 +234,7 @@ def _outcome(outcome: OutcomeHere) -> str:
 
 def _effects(outcome: OutcomeHere) -> list[str]:
     changes = [effect_text(c.fact.symbol, c.fact.objects, c.fact.value) for c in outcome.changes]
-    return [*changes, *print_payments(outcome.reward, outcome.cost)]
+    return [*changes, *print_payments(Price(outcome.reward), Price(outcome.cost))]
 
 
 def effect_text(symbol: str, objects: tuple[str, ...], value: Value) -> str:

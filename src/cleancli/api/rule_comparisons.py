@@ -18,12 +18,12 @@ from cleancli.api.tables import TextTable, preformatted, shown
 from cleancli.compiler.fluents import Values
 from cleancli.compiler.lifted_state import LiftedRules
 from cleancli.language.diagnostics.plural import plural
-from cleancli.language.model import Action, Domain, Fact, Term, Variable
+from cleancli.language.model import Action, Domain, Fact, Price, Variable
 from cleancli.language.printing.printer import (
-    print_cost,
     print_fact,
     print_float,
     print_payments,
+    print_price,
     print_reward,
 )
 from cleancli.learning.compared import RulePair, compared
@@ -207,13 +207,11 @@ def _beside_rules(one: Domain, other: Domain) -> Iterator[str]:
 
 def _as_named(action: Action, parameters: Sequence[Variable]) -> Action:
     """The action with parameters of other names."""
-    terms: dict[Term, Term] = dict(zip(action.parameters, parameters, strict=True))
-    parts = (replace(e, terms=tuple(terms.get(each, each) for each in e.terms)) for e in action.cost_parts)
-    return replace(action, cost_parts=tuple(parts))
+    return replace(action, cost=action.cost.renamed(dict(zip(action.parameters, parameters, strict=True))))
 
 
 def _cost(action: Action) -> str:
-    return print_cost(replace(action, cost_parts=tuple(sorted(action.cost_parts, key=str))))
+    return print_price(action.cost)
 
 
 def _lasting(action: Action) -> str:
@@ -253,4 +251,4 @@ def _foretold(domain: Domain, transition: Transition) -> tuple[ForetoldChange, .
 
 def _effects(result: Paid) -> tuple[str, ...]:
     changes = sorted(effect_text(*key, value) for key, value in result.changes)
-    return (*changes, *print_payments(result.reward, result.cost))
+    return (*changes, *print_payments(Price(result.reward), Price(result.cost)))

@@ -13,7 +13,7 @@ from collections.abc import Callable, Iterable, Iterator, Sequence
 from dataclasses import dataclass, replace
 from typing import TypeVar
 
-from cleancli.compiler.fluents import Fluent, bind, shifted
+from cleancli.compiler.fluents import Binding, Fluent, bind, shifted
 from cleancli.compiler.ground_formula import (
     ALWAYS,
     Formula,
@@ -35,13 +35,15 @@ CASE_LIMIT = 1_000
 
 @dataclass(frozen=True, slots=True)
 class Case:
-    """A rule (its index in the domain) for some objects, where `required` holds; `changes` per outcome.
+    """A rule (its index in the domain) for some objects, where `required` holds; `changes` per outcome, and
+    `binding` with the rule's references.
 
     `conflicts` are the keys that an outcome (its position) gives two values, or sets and shifts (E602).
     """
 
     rule: int
     objects: tuple[str, ...]
+    binding: Binding
     required: Requirement
     changes: tuple[Changes, ...]
     conflicts: tuple[tuple[int, Fluent], ...] = ()
@@ -89,7 +91,9 @@ def _with_effects(
         after = [dict(change) for change in changes]
         for place, key, value in results:
             after[place][key] = frozenset({value})
-        yield Case(instance.rule, instance.objects, decided, tuple(after), (*two_values, *both))
+        yield Case(
+            instance.rule, instance.objects, instance.binding, decided, tuple(after), (*two_values, *both)
+        )
 
 
 def _settled(instance: Instance, conditions: Conditions, known: Known) -> list[StateEffect]:

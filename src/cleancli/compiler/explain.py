@@ -7,14 +7,15 @@ declared, and the arguments are objects of its parameters' types.
 
 from __future__ import annotations
 
-import itertools
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from fractions import Fraction
+from itertools import repeat
 
 from cleancli.compiler.conflict import results
 from cleancli.compiler.fluents import Binding, Fluent, bind, names_of
 from cleancli.compiler.lifted_state import StateView
+from cleancli.compiler.prices import comes_to
 from cleancli.language.model import (
     Condition,
     Domain,
@@ -82,7 +83,7 @@ class FactChange:
 @dataclass(frozen=True, slots=True)
 class OutcomeHere:
     """An outcome as it would be in this state; `changes` are sorted and leave out what is there already.
-    `reward` and `cost` as in `Outcome`."""
+    `reward` and `cost` are what those of the `Outcome` come to."""
 
     probability: Fraction
     kind: OutcomeKind
@@ -126,24 +127,27 @@ def explain(domain: Domain, problem: Problem, action: str, arguments: Sequence[s
     if found is not None:
         rule = domain.rules[found[0]]
         changes = results(view.rules, view.state, found[0], tuple(found[1].values()))
-        outcomes = tuple(map(_outcome_here, itertools.repeat(view), rule.outcomes, changes))
+        outcomes = tuple(map(_outcome_here, repeat(view), rule.outcomes, changes, repeat(found[1])))
         covering = Covering(found[0], rule.name, _bound(found[1]), outcomes)
     attempts = tuple(
         _attempt(domain, view, index, bind(rule, arguments))
         for index, rule in enumerate(domain.rules)
         if rule.action == action and (found is None or index != found[0])
     )
-    default = tuple(_outcome_here(view, outcome, {}) for outcome in domain.default)
+    default = tuple(_outcome_here(view, outcome, {}, {}) for outcome in domain.default)
     return Explanation(action, tuple(arguments), covering, attempts, () if covering else default)
 
 
-def _outcome_here(view: StateView, outcome: Outcome, changes: Mapping[Fluent, Value]) -> OutcomeHere:
+def _outcome_here(
+    view: StateView, outcome: Outcome, changes: Mapping[Fluent, Value], binding: Binding
+) -> OutcomeHere:
     listed = tuple(
         FactChange(Fact(*key, changes[key]), view.value(key))
         for key in sorted(changes)
         if view.value(key) != changes[key]
     )
-    return OutcomeHere(outcome.probability, outcome.kind, listed, outcome.reward, outcome.cost)
+    paid = (comes_to(price, binding, view.state.values) for price in (outcome.reward, outcome.cost))
+    return OutcomeHere(outcome.probability, outcome.kind, listed, *paid)
 
 
 def _attempt(domain: Domain, view: StateView, index: int, binding: Binding) -> Attempt:

@@ -23,9 +23,9 @@ from cleancli.compiler.ground_rules import PlainWords, RuleGroundings, from_case
 from cleancli.compiler.grounding_size import RULE_LIMIT, refuse_too_many, too_many_cases_in_all
 from cleancli.compiler.instances import instances, instances_of
 from cleancli.compiler.partial_evaluation import Conditions
+from cleancli.compiler.prices import Prices, by_functions
 from cleancli.compiler.relaxed_reachability import Reach
 from cleancli.compiler.rewards import (
-    by_functions,
     costs_of,
     price_of,
     rewards_of,
@@ -67,9 +67,10 @@ def ground(domain: Domain, problem: Problem, *, compat: bool = False, named: Col
     cases = _cases(domain, reach, conditions)
     _refuse(_conflicts(domain, cases, reach, conditions, join))
     numbering = Numbering(reach.changing, universe)
-    groundings = _groundings(domain, cases, reach, numbering, join, compat)
+    prices = Prices(values_of(problem.state), weight_of(domain, RewardKind.COST))
+    groundings = _groundings(domain, cases, reach, numbering, join, compat, prices)
     waiting = not compat and waiting_can_pay(domain)
-    actions = _ground_actions(domain, problem, groundings, waiting, named)
+    actions = _ground_actions(domain, groundings, waiting, named, prices)
     rules = _ground_rules(domain, groundings, actions)
     if not compat:
         _refuse(_overlaps(domain, rules, actions, numbering.variables))
@@ -162,13 +163,13 @@ def _groundings(
     numbering: Numbering,
     join: ColumnJoin,
     compat: bool,
+    prices: Prices,
 ) -> list[RuleGroundings]:
     """The ground rules of each rule, in no order; those of the same objects and rule in that of its cases."""
     words = PlainWords(reach.vocabulary, numbering, reach.known, compat)
-    weight = weight_of(domain, RewardKind.COST)
-    by_columns = [from_columns(plain, domain.rules[plain.rule], words, join, weight) for plain in reach.plain]
+    by_columns = [from_columns(plain, domain.rules[plain.rule], words, join, prices) for plain in reach.plain]
     one_by_one = [
-        from_cases(number, domain.rules[number], several, numbering, reach.known, compat, weight)
+        from_cases(number, domain.rules[number], several, numbering, reach.known, compat, prices)
         for number, several in cases.items()
     ]
     return [*by_columns, *one_by_one]
@@ -176,10 +177,10 @@ def _groundings(
 
 def _ground_actions(
     domain: Domain,
-    problem: Problem,
     groundings: Iterable[RuleGroundings],
     waiting: bool,
     named: Collection[Called],
+    prices: Prices,
 ) -> tuple[GroundAction, ...]:
     """Those that are named, or can change or cost something by at least one of their rules; all that have a
     rule where waiting can pay."""
@@ -193,20 +194,21 @@ def _ground_actions(
             if changes or every
         }
     durations = {action.name: action.duration for action in domain.actions}
-    costs, declared = costs_of(domain), {action.name: action.cost for action in domain.actions}
+    costs, declared = costs_of(domain), {action.name: action.cost.number for action in domain.actions}
     made = [
         GroundAction(name, objects, durations[name], costs[name], declared[name])
         for name, objects in sorted(found)
     ]
-    priced = {action.name: action for action in domain.actions if action.cost_parts}
-    if not priced:
-        return tuple(made)
-    values, weight = values_of(problem.state), weight_of(domain, RewardKind.COST)
-    for place, action in enumerate(made):
+    priced = {action.name: action for action in domain.actions if action.cost.parts}
+    for place, action in enumerate(made) if priced else ():
         if action.name in priced:
-            more = by_functions(priced[action.name], action.objects, values)
+            declaration = priced[action.name]
+            binding = dict(zip(declaration.parameters, action.objects, strict=True))
+            more = by_functions(declaration.cost, binding, prices.values)
             made[place] = replace(
-                action, cost=action.cost - weight * more, declared_cost=action.declared_cost + more
+                action,
+                cost=action.cost - prices.cost_weight * more,
+                declared_cost=action.declared_cost + more,
             )
     return tuple(made)
 

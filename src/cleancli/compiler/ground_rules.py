@@ -17,9 +17,11 @@ from cleancli.array_types import Bools, Longs
 from cleancli.compiler.column_join import ColumnJoin
 from cleancli.compiler.disjoint_cases import Case
 from cleancli.compiler.encoding import Numbering
+from cleancli.compiler.fluents import bind
 from cleancli.compiler.ground_formula import Known
 from cleancli.compiler.instances import Changes
 from cleancli.compiler.plain_rules import PlainInstances, Vocabulary
+from cleancli.compiler.prices import Prices
 from cleancli.compiler.ragged import distinct, starts
 from cleancli.compiler.task import GroundCondition, GroundLiteral, GroundOutcome
 from cleancli.language.model import Outcome, OutcomeKind, Rule
@@ -49,15 +51,20 @@ def from_cases(
     numbering: Numbering,
     known: Known,
     compat: bool,
-    cost_weight: Fraction,
+    prices: Prices,
 ) -> RuleGroundings:
-    """The ground rules of a rule that falls into cases; in the reward a cost counts `cost_weight` times."""
+    """The ground rules of a rule that falls into cases."""
     outcomes = []
     for case in cases:
         kept = [_kept(case, changes, known, compat) for changes in case.changes]
         pairs = zip(rule.outcomes, kept, strict=True)
         outcomes.append(
-            tuple([_outcome(each, numbering.effects(changes), cost_weight) for each, changes in pairs])
+            tuple(
+                [
+                    _outcome(each, numbering.effects(changes), prices.paid(each, case.binding))
+                    for each, changes in pairs
+                ]
+            )
         )
     return RuleGroundings(
         rule=number,
@@ -78,10 +85,11 @@ def _kept(case: Case, changes: Changes, known: Known, compat: bool) -> Changes:
     }
 
 
-def _outcome(outcome: Outcome, effects: tuple[tuple[int, int], ...], cost_weight: Fraction) -> GroundOutcome:
+def _outcome(
+    outcome: Outcome, effects: tuple[tuple[int, int], ...], paid: tuple[Fraction, Fraction]
+) -> GroundOutcome:
     kind = outcome.kind if effects or outcome.kind is OutcomeKind.NOISE else OutcomeKind.NOTHING
-    cost = -outcome.reward - cost_weight * outcome.cost
-    return GroundOutcome(outcome.probability, kind, effects, cost, outcome.cost)
+    return GroundOutcome(outcome.probability, kind, effects, *paid)
 
 
 class PlainWords:
@@ -117,23 +125,35 @@ class PlainWords:
 
 
 def from_columns(
-    plain: PlainInstances, rule: Rule, words: PlainWords, join: ColumnJoin, cost_weight: Fraction
+    plain: PlainInstances, rule: Rule, words: PlainWords, join: ColumnJoin, prices: Prices
 ) -> RuleGroundings:
-    """The ground rules of a plain rule; `cost_weight` as in `from_cases`."""
+    """The ground rules of a plain rule."""
     count = len(plain.objects)
     changes = np.zeros(count, dtype=np.bool_)
+    names = [[join.names[number] for number in column] for column in plain.objects.T.tolist()]
+    objects = list(zip(*names, strict=True)) if names else [()] * count
     outcomes = [
-        _outcomes_of(outcome, rows, assigned, plain.literals, words, changes, cost_weight)
+        _outcomes_of(
+            outcome, rows, assigned, plain.literals, words, changes, _paid(outcome, rule, objects, prices)
+        )
         for outcome, (rows, assigned) in zip(rule.outcomes, plain.assigned, strict=True)
     ]
-    names = [[join.names[number] for number in column] for column in plain.objects.T.tolist()]
     return RuleGroundings(
         rule=plain.rule,
-        objects=list(zip(*names, strict=True)) if names else [()] * count,
+        objects=objects,
         conditions=_conditions(plain.literals, words),
         outcomes=list(zip(*outcomes, strict=True)),
         changes=changes.tolist(),
     )
+
+
+def _paid(
+    outcome: Outcome, rule: Rule, objects: Sequence[tuple[str, ...]], prices: Prices
+) -> Sequence[tuple[Fraction, Fraction]]:
+    """What an outcome pays for each of some objects, as `Prices.paid` has it."""
+    if not (outcome.reward.parts or outcome.cost.parts):
+        return [prices.paid(outcome, {})] * len(objects)
+    return [prices.paid(outcome, bind(rule, names)) for names in objects]
 
 
 def _conditions(literals: Longs, words: PlainWords) -> list[GroundCondition]:
@@ -160,11 +180,9 @@ def _outcomes_of(
     literals: Longs,
     words: PlainWords,
     changes: Bools,
-    cost_weight: Fraction,
+    paid: Sequence[tuple[Fraction, Fraction]],
 ) -> list[GroundOutcome]:
     """The outcome for each row, one object where it is the same; marks rows that it changes something in."""
-    if not len(rows):
-        return [_outcome(outcome, (), cost_weight)] * len(literals)
     slots = words.slot[assigned]
     kept = slots != _NEVER
     for column in literals.T:
@@ -174,8 +192,8 @@ def _outcomes_of(
     entries = iter(slots[np.lexsort((slots, rows))].tolist())
     lengths = np.bincount(rows, minlength=len(literals)).tolist()
     changed = [tuple(itertools.islice(entries, length)) for length in lengths]
+    does = list(zip(changed, paid, strict=True))
     known = {
-        each: _outcome(outcome, tuple([words.pairs[slot] for slot in each]), cost_weight)
-        for each in set(changed)
+        each: _outcome(outcome, tuple([words.pairs[slot] for slot in each[0]]), each[1]) for each in set(does)
     }
-    return [known[each] for each in changed]
+    return [known[each] for each in does]

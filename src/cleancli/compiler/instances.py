@@ -40,7 +40,8 @@ class StateEffect:
 
 @dataclass(frozen=True, slots=True)
 class Instance:
-    """A rule (its index in the domain) for some objects and one binding of its references.
+    """A rule (its index in the domain) for some objects and one binding of its references, which is all in
+    `binding`.
 
     `changes` has one entry per outcome, of what does not depend on the state; `effects` is the rest. An
     outcome of probability 0 never happens, and so changes nothing.
@@ -48,6 +49,7 @@ class Instance:
 
     rule: int
     objects: tuple[str, ...]
+    binding: Binding
     condition: Formula
     changes: tuple[Changes, ...]
     effects: tuple[StateEffect, ...]
@@ -111,7 +113,7 @@ def instances_of(
         return
     for bound, whole in _references(rule.references, binding, formula, conditions, compat):
         changes, effects = _divided(rule.outcomes, bound, conditions)
-        yield Instance(index, objects, whole, changes, effects)
+        yield Instance(index, objects, bound, whole, changes, effects)
 
 
 def _divided(

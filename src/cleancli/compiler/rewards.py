@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import itertools
 from collections import defaultdict
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator
 from dataclasses import dataclass
 from fractions import Fraction
 
@@ -17,6 +17,7 @@ from cleancli.compiler.encoding import Numbering
 from cleancli.compiler.ground_formula import Formula, Known, disjoint
 from cleancli.compiler.instances import closure_refused
 from cleancli.compiler.partial_evaluation import ClosureTooLargeError, Conditions
+from cleancli.compiler.prices import most
 from cleancli.compiler.task import (
     GroundCondition,
     Objective,
@@ -28,15 +29,13 @@ from cleancli.compiler.task import (
 from cleancli.language.diagnostics.diagnostic import Diagnostic
 from cleancli.language.diagnostics.refused import Refused
 from cleancli.language.model import (
-    Action,
     Count,
     Domain,
     Horizon,
+    Price,
     Problem,
     RewardKind,
     Unlimited,
-    Value,
-    Variable,
     wanted_decreased,
     weight_of,
 )
@@ -94,20 +93,6 @@ def rewards_of(
     )
 
 
-def by_functions(
-    action: Action, objects: Sequence[str], values: Mapping[tuple[str, tuple[str, ...]], Value]
-) -> Fraction:
-    """What an action costs on some objects by the values that functions have for them in a problem."""
-    bound = {parameter.name: one for parameter, one in zip(action.parameters, objects, strict=True)}
-    total = Fraction(0)
-    for part in action.cost_parts:
-        terms = tuple(bound[term.name] if isinstance(term, Variable) else term.name for term in part.terms)
-        value = values[part.symbol, terms]
-        assert isinstance(value, int), "the checker lets only integers count"
-        total += part.weight * value
-    return total
-
-
 def waiting_can_pay(domain: Domain) -> bool:
     """Whether a step that changes nothing can be worth taking before others: a state is paid for what it is,
     a decrease or the goal has a negative weight, or an action earns by its cost, or by what its outcome pays.
@@ -126,26 +111,32 @@ def costs_of(domain: Domain) -> dict[str, Fraction]:
     step loses by it."""
     weight, price = weight_of(domain, RewardKind.COST), price_of(domain)
     return {
-        action.name: -weight * action.cost + price * in_seconds(action.duration) for action in domain.actions
+        action.name: -weight * action.cost.number + price * in_seconds(action.duration)
+        for action in domain.actions
     }
 
 
 def least_costs(domain: Domain) -> dict[str, Fraction]:
     """As `costs_of`, the least that each action may cost, whatever values the functions have and whichever
     outcome happens."""
-    weight = weight_of(domain, RewardKind.COST)
-    ends = {symbol.name: (symbol.values[0], symbol.values[-1]) for symbol in domain.symbols}
-    least = costs_of(domain)
+    weight, least = weight_of(domain, RewardKind.COST), costs_of(domain)
+    ends = dict(_ends(domain))
     for action in domain.actions:
-        for part in action.cost_parts:
-            low, high = ends[part.symbol]
-            end = low if weight <= 0 else high
-            assert isinstance(end, int), "the checker lets only integers count"
-            least[action.name] -= weight * part.weight * end
-        own = [rule for rule in domain.rules if rule.action == action.name]
-        earned = [each.reward + weight * each.cost for rule in own for each in rule.outcomes]
-        least[action.name] -= max([Fraction(0), *earned])
+        earned = [Fraction(0)]
+        for rule in domain.rules:
+            if rule.action == action.name:
+                earned += [most(each.reward + each.cost.times(weight), ends) for each in rule.outcomes]
+        by_objects = Price(parts=action.cost.parts).times(weight)
+        least[action.name] -= most(by_objects, ends) + max(earned)
     return least
+
+
+def _ends(domain: Domain) -> Iterator[tuple[str, tuple[int, int]]]:
+    """The least and the greatest value of each function that has integers."""
+    for symbol in domain.symbols:
+        low, high = symbol.values[0], symbol.values[-1]
+        if isinstance(low, int) and isinstance(high, int):
+            yield symbol.name, (low, high)
 
 
 def price_of(domain: Domain) -> Fraction:
@@ -159,7 +150,7 @@ def usual_objective(domain: Domain, problem: Problem) -> Objective:
     if not isinstance(problem.horizon, Unlimited):
         return Objective.REWARD
     outcomes = (outcome for rule in domain.rules for outcome in rule.outcomes)
-    costly = any(action.has_cost for action in domain.actions) or any(each.cost for each in outcomes)
+    costly = any(action.cost for action in domain.actions) or any(each.cost for each in outcomes)
     return Objective.COST if costly else Objective.PROBABILITY
 
 

@@ -9,7 +9,7 @@ Records hold plain names; spans stay only where a later pass writes back into th
 from __future__ import annotations
 
 import enum
-from collections.abc import Collection
+from collections.abc import Collection, Mapping
 from dataclasses import dataclass, field, replace
 from fractions import Fraction
 
@@ -159,6 +159,68 @@ class ForAll(Record):
     effects: tuple[Assign | Shift, ...]
 
 
+class PricePart(Record):
+    """`weight` times the value of an integer function that never changes."""
+
+    weight: Fraction
+    symbol: str
+    terms: tuple[Term, ...]
+
+
+class Price(Record):
+    """A number, and what functions come to: `2 + 0.5 * distance(?a, ?b)`.
+
+    Sums have one part for a function and terms, none of weight 0, in an order of their own: so what is the
+    same price is equal.
+    """
+
+    number: Fraction = Fraction(0)
+    parts: tuple[PricePart, ...] = ()
+
+    def __bool__(self) -> bool:
+        """Whether something may have to be paid."""
+        return bool(self.number or self.parts)
+
+    def __add__(self, other: Price) -> Price:
+        if not self.parts and not other.parts:
+            return Price(self.number + other.number)
+        weights: dict[tuple[str, tuple[Term, ...]], Fraction] = {}
+        for part in (*self.parts, *other.parts):
+            key = part.symbol, part.terms
+            weights[key] = weights.get(key, Fraction(0)) + part.weight
+        parts = [PricePart(weight, *key) for key, weight in weights.items() if weight]
+        return Price(self.number + other.number, tuple(sorted(parts, key=_part_order)))
+
+    def times(self, factor: Fraction) -> Price:
+        """So many times the price."""
+        if not factor:
+            return NOTHING_PAID
+        parts = tuple(PricePart(factor * part.weight, part.symbol, part.terms) for part in self.parts)
+        return Price(factor * self.number, parts)
+
+    def by_sign(self) -> tuple[Price, Price]:
+        """What is added, and what is taken away; nothing in either is below 0."""
+        return self._above_0(), self.times(Fraction(-1))._above_0()
+
+    def _above_0(self) -> Price:
+        return Price(max(self.number, Fraction(0)), tuple(part for part in self.parts if part.weight > 0))
+
+    def renamed(self, terms: Mapping[Term, Term]) -> Price:
+        """The price with other terms in place of some."""
+        parts = tuple(
+            PricePart(part.weight, part.symbol, tuple(terms.get(term, term) for term in part.terms))
+            for part in self.parts
+        )
+        return Price(self.number) + Price(parts=parts)
+
+
+def _part_order(part: PricePart) -> tuple[str, list[tuple[bool, str]]]:
+    return part.symbol, [(isinstance(term, Object), term.name) for term in part.terms]
+
+
+NOTHING_PAID = Price()
+
+
 class OutcomeKind(enum.Enum):
     """`CHANGE` lists effects, `NOTHING` leaves the state as it is, `NOISE` does something unmodelled."""
 
@@ -188,8 +250,8 @@ class Outcome(Record):
     fixed: bool = False
     probability_span: Span | None = field(default=None, compare=False)
     weight_span: Span | None = field(default=None, compare=False)
-    reward: Fraction = Fraction(0)
-    cost: Fraction = Fraction(0)
+    reward: Price = NOTHING_PAID
+    cost: Price = NOTHING_PAID
 
 
 class Rule(Record):
@@ -216,17 +278,9 @@ class Parameter(Record):
     weight_span: Span | None = field(default=None, compare=False)
 
 
-class CostPart(Record):
-    """A part of what an action costs: `weight` times the value of an integer function that is static."""
-
-    weight: Fraction
-    symbol: str
-    terms: tuple[Term, ...]
-
-
 class Action(Record):
-    """A declared action; `duration` in seconds of robot time, None where the file does not say. It costs
-    `cost`, in units of reward, and what the `cost_parts` come to for its objects; no cost is below 0.
+    """A declared action; `duration` in seconds of robot time, None where the file does not say. Its `cost` is
+    in units of reward, and never below 0.
 
     What the learner noted of the duration is as in `Outcome`, its prior in seconds. `duration_span` covers
     the duration with its unit, `noted_span` that with its `[prior 9 s, seen n]`, if it has one.
@@ -235,18 +289,12 @@ class Action(Record):
     name: str
     parameters: tuple[Variable, ...]
     duration: float | None = None
-    cost: Fraction = Fraction(0)
+    cost: Price = NOTHING_PAID
     duration_prior: float | None = None
     duration_seen: Fraction | None = None
     duration_fixed: bool = False
     duration_span: Span | None = field(default=None, compare=False)
     noted_span: Span | None = field(default=None, compare=False)
-    cost_parts: tuple[CostPart, ...] = ()
-
-    @property
-    def has_cost(self) -> bool:
-        """Whether it costs something on some objects."""
-        return bool(self.cost or self.cost_parts)
 
 
 class Count(Record):

@@ -14,6 +14,7 @@ from cleancli.language.model import (
     ForAll,
     Literal,
     Outcome,
+    Price,
     Quantified,
     Rule,
     Shift,
@@ -84,7 +85,8 @@ def _canonical(domain: Domain, rule: Rule) -> tuple[object, _Says]:
         asked.append((types, _condition(reference.condition, names, symmetric)))
     says: dict[object, Fraction] = {}
     for outcome in rule.outcomes:
-        key = outcome.kind, _effects(outcome, names, symmetric), outcome.reward, outcome.cost
+        paid = tuple(_price(price, names, symmetric) for price in (outcome.reward, outcome.cost))
+        key = outcome.kind, _effects(outcome, names, symmetric), paid
         says[key] = says.get(key, Fraction(0)) + outcome.probability
     return tuple(asked), {key: share for key, share in says.items() if share}
 
@@ -116,6 +118,11 @@ def _ordered(
 ) -> tuple[str, ...]:
     found = (names.get(term, term.name) for term in terms)
     return tuple(sorted(found) if symbol in symmetric else found)
+
+
+def _price(price: Price, names: Mapping[Term, str], symmetric: set[str]) -> tuple[object, ...]:
+    parts = ((p.weight, p.symbol, _ordered(p.symbol, p.terms, names, symmetric)) for p in price.parts)
+    return price.number, frozenset(parts)
 
 
 def _effects(outcome: Outcome, names: Mapping[Term, str], symmetric: set[str]) -> frozenset[object]:

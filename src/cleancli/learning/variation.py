@@ -9,6 +9,7 @@ from typing import NamedTuple, TypeVar
 from cleancli.compiler.conflict import results
 from cleancli.compiler.fluents import Fluent
 from cleancli.compiler.lifted_state import LiftedRules
+from cleancli.compiler.prices import comes_to
 from cleancli.language.model import Domain, Value
 from cleancli.learning.experience import Transition
 
@@ -45,10 +46,12 @@ def foretold_paid(rules: LiftedRules, transition: Transition) -> Mapping[Paid, f
     number, names = found
     likely: dict[Paid, float] = {}
     outcomes = rules.domain.rules[number].outcomes
+    binding = dict(zip(rules[number].variables, names, strict=True))
     for outcome, changes in zip(outcomes, results(rules, state, number, names), strict=True):
         before = {key: transition.before.get(key, rules.meaning.missing(key[0])) for key in changes}
         moved = frozenset((key, value) for key, value in changes.items() if before[key] != value)
-        result = Paid(moved, outcome.reward, outcome.cost)
+        paid = (comes_to(price, binding, transition.before) for price in (outcome.reward, outcome.cost))
+        result = Paid(moved, *paid)
         likely[result] = likely.get(result, 0.0) + float(outcome.probability)
     return likely
 

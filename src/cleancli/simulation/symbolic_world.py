@@ -13,7 +13,8 @@ import numpy as np
 
 from cleancli.compiler.fluents import Fluent, values_of
 from cleancli.compiler.ground import ground
-from cleancli.compiler.rewards import by_functions, costs_of
+from cleancli.compiler.prices import by_functions
+from cleancli.compiler.rewards import costs_of
 from cleancli.compiler.semantics import covering_rule, payment, reaches_goal, reward, sample
 from cleancli.compiler.task import GroundAction, GroundState, Task, by_time, held
 from cleancli.language.model import Action, Domain, Fact, Problem, RewardKind, State, weight_of
@@ -61,7 +62,7 @@ def world_of(domain: Domain, problem: Problem, timed: bool = False) -> World:
     Raises `Refused` (E6xx) and `NoDurationError`.
     """
     grounded, costs = ground(domain, problem), costs_of(domain)
-    idle = tuple(GroundAction(a.name, (), a.duration, costs[a.name], a.cost) for a in domain.actions)
+    idle = tuple(GroundAction(a.name, (), a.duration, costs[a.name], a.cost.number) for a in domain.actions)
     actions = grounded.actions + idle
     task = replace(grounded, actions=actions, discounts=(grounded.discount,) * len(actions))
     return World(
@@ -71,7 +72,7 @@ def world_of(domain: Domain, problem: Problem, timed: bool = False) -> World:
         {action.name: index for index, action in enumerate(idle, start=len(grounded.actions))},
         bool(problem.goal),
         task.discount ** (1 / task.step) if timed and task.step is not None else 1.0,
-        {action.name: action for action in domain.actions if action.cost_parts},
+        {action.name: action for action in domain.actions if action.cost.parts},
         weight_of(domain, RewardKind.COST),
     )
 
@@ -112,7 +113,9 @@ def do(
     if number is None:
         number = world.idle[action.name]
         if action.name in world.priced:
-            more = by_functions(world.priced[action.name], action.objects, values_of(world.rest))
+            declared = world.priced[action.name]
+            binding = dict(zip(declared.parameters, action.objects, strict=True))
+            more = by_functions(declared.cost, binding, values_of(world.rest))
     task = world.task
     drawn, after = sample(task, state, number, rng)
     paid = reward(task, state, number, after) + float(world.cost_weight * more)

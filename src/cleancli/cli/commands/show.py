@@ -26,8 +26,8 @@ from cleancli.language.load import located_in
 from cleancli.language.model import Action, DerivedPredicate, Domain, Knowledge, Problem, Rule, Symbol, Type
 from cleancli.language.printing.printer import (
     print_condition,
-    print_cost,
     print_fraction,
+    print_price,
     print_reference,
     print_result,
     print_signature,
@@ -195,8 +195,8 @@ def _learned(learned: Knowledge) -> Iterator[str]:
 
 def _action(action: Action, sizes: Sizes | None) -> str:
     duration = "" if action.duration is None else f"  {action.duration:g} s"
-    if action.has_cost:
-        duration += f"  cost {print_cost(action)}"
+    if action.cost:
+        duration += f"  cost {print_price(action.cost)}"
     counted = "" if sizes is None else f"  {plural(sizes.actions[action.name], 'grounding')}"
     return f"{print_signature(action.name, action.parameters)}{duration}{counted}"
 

@@ -100,12 +100,12 @@ def _made(outcome: Outcome, rule: Rule, formulas: Formulas) -> Iterator[_Made]:
         for each in inner:
             terms = tuple(names.get(term, term) for term in each.terms)
             used = [*(t for t in terms if isinstance(t, Variable)), *free_variables(asked)]
-            bound, guard = _referred(used, rule.references, formulas)
+            bound, guard = referred(used, rule.references, formulas)
             once = set(own) <= set(terms)
             yield _Made((*bound, *own), both([guard, asked]), replace(each, terms=terms), once)
 
 
-def _referred(
+def referred(
     used: Sequence[Variable], references: Sequence[Reference], formulas: Formulas
 ) -> tuple[tuple[Variable, ...], Formula]:
     """The variables of the references that some variables are of, directly or by others, and what binds

@@ -1,4 +1,4 @@
-"""The numeric functions of PDDL that say what actions cost on their objects.
+"""The numeric functions of PDDL that say what is paid for objects.
 
 An effect of PDDL rises by a number or by a function, not by a function with a weight: so a function of a .nid
 domain becomes one of PDDL for each weight that it counts with, whose values are as much.
@@ -10,7 +10,7 @@ from collections.abc import Iterator, Sequence
 from fractions import Fraction
 
 from cleancli.conversion.export.names import Naming
-from cleancli.language.model import CostPart, Domain, Problem
+from cleancli.language.model import Domain, PricePart, Problem
 
 
 class CostFunctions:
@@ -26,7 +26,7 @@ class CostFunctions:
         """The functions of the .nid domain that are counted with."""
         return frozenset(symbol for symbol, _ in self._names)
 
-    def of(self, part: CostPart, weight: Fraction) -> str:
+    def of(self, part: PricePart, weight: Fraction) -> str:
         """The function whose values are so many times those of the part's, which is called as that is where
         they are the same."""
         key = part.symbol, weight

@@ -11,7 +11,7 @@ from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
 from fractions import Fraction
 
-from cleancli.conversion.export.changes import hits
+from cleancli.conversion.export.changes import hits, referred
 from cleancli.conversion.export.formulas import Formulas, NotSaid
 from cleancli.conversion.pddl.effects import Change
 from cleancli.conversion.pddl.formula import (
@@ -28,16 +28,26 @@ from cleancli.conversion.pddl.formula import (
     free_variables,
     negated,
 )
-from cleancli.language.model import Count, Equality, Literal, RewardKind, RewardTerm, Term, Variable
+from cleancli.language.model import (
+    Count,
+    Equality,
+    Literal,
+    Price,
+    RewardKind,
+    RewardTerm,
+    Rule,
+    Term,
+    Variable,
+)
 
 
 @dataclass(frozen=True, slots=True)
 class Payment:
-    """So much is paid for each binding of the variables that a guard holds for."""
+    """So much is paid for each binding of the variables that a guard holds for; more than 0, or less."""
 
     variables: tuple[Variable, ...]
     guard: Formula
-    amount: Fraction
+    price: Price
 
 
 def payments_of(
@@ -59,6 +69,21 @@ def payments_of(
             won = both([negated(before), assuming(after, [negated(before)])])
             yield from _paid(count.variables, lost, known, term.weight, formulas)
             yield from _paid(count.variables, won, known, -term.weight, formulas)
+
+
+def priced(price: Price, rule: Rule, formulas: Formulas) -> Iterator[Payment]:
+    """A price that an outcome of a rule pays by itself: what it says of objects that references name, for
+    their binding."""
+    plain = Price(price.number)
+    for part in price.parts:
+        used = [term for term in part.terms if isinstance(term, Variable)]
+        variables, guard = referred(used, rule.references, formulas)
+        if variables:
+            yield Payment(variables, guard, Price(parts=(part,)))
+        else:
+            plain += Price(parts=(part,))
+    if plain:
+        yield Payment((), ALWAYS, plain)
 
 
 def _counted(
@@ -86,7 +111,7 @@ def _paid(
         guard = formulas.renamed(guard, {variable: term})
     guard = assuming(guard, [known])
     if guard != NEVER and amount:
-        yield Payment(variables, guard, amount)
+        yield Payment(variables, guard, Price(amount))
 
 
 def _same(variables: Sequence[Variable], guard: Formula, formulas: Formulas) -> tuple[Variable, Term] | None:

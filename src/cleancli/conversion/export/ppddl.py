@@ -14,7 +14,7 @@ from cleancli.conversion.export.cost_functions import CostFunctions
 from cleancli.conversion.export.draws import draws_of
 from cleancli.conversion.export.formulas import Formulas
 from cleancli.conversion.export.names import Naming
-from cleancli.conversion.export.payments import Payment, payments_of
+from cleancli.conversion.export.payments import Payment, payments_of, priced
 from cleancli.conversion.export.ppddl_formulas import OBJECT, WORDS, FormulaWriter, predicates_of
 from cleancli.conversion.export.s_expressions import Node, laid_out
 from cleancli.conversion.export.unsaid import Unsaid
@@ -28,6 +28,7 @@ from cleancli.language.model import (
     Horizon,
     Outcome,
     OutcomeKind,
+    Price,
     Problem,
     RewardKind,
     Rule,
@@ -38,8 +39,8 @@ from cleancli.language.model import (
 )
 from cleancli.language.printing.printer import print_fraction
 
-_Part = Change | tuple[int, Payment] | Fraction
-"""What an outcome does: a change, what it pays, or what it costs."""
+_Part = Change | tuple[int, str, Payment]
+"""What an outcome does: a change, or what it adds to a numeric function, with a number of its own."""
 
 _FROM = "Written by `cleancli convert` from a .nid file."
 
@@ -76,7 +77,7 @@ class _Writer:
         limited = [problem for problem in problems if not isinstance(problem.horizon, Unlimited)]
         self._earned = bool(limited) or not problems
         outcomes = [outcome for rule in domain.rules for outcome in rule.outcomes]
-        costly = any(action.has_cost for action in domain.actions) or any(each.cost for each in outcomes)
+        costly = any(action.cost for action in domain.actions) or any(each.cost for each in outcomes)
         self._priced = costly and len(limited) < len(problems)
         # Only what actions and goals ask for is declared.
         self._actions = list(self._action_sections())
@@ -203,21 +204,25 @@ class _Writer:
         """What an outcome changes, and what it pays and costs; equal payments have different numbers."""
         changes = changes_of(outcome, rule, known, self._formulas, self._noise)
         yield from changes
+        earned: list[Payment] = []
         if self._earned:
-            price = outcome.reward + outcome.cost * weight_of(self._domain, RewardKind.COST)
-            own = [Payment((), ALWAYS, price)] if price else []
-            yield from enumerate((*payments_of(self._domain.reward, changes, known, self._formulas), *own))
-        if self._priced and outcome.cost:
-            yield outcome.cost
+            price = outcome.reward + outcome.cost.times(weight_of(self._domain, RewardKind.COST))
+            earned += payments_of(self._domain.reward, changes, known, self._formulas)
+            earned += priced(price, rule, self._formulas)
+        costs = priced(outcome.cost, rule, self._formulas) if self._priced else ()
+        yield from ((number, "reward", each) for number, each in enumerate(earned))
+        yield from ((number, "total-cost", each) for number, each in enumerate(costs))
 
     def _drawn(self, draw: Iterable[tuple[Fraction, Sequence[_Part]]], rule: Rule) -> Iterator[Node]:
         """The effects of one draw."""
         chances: list[Node] = []
         for chance, parts in draw:
-            paid = [part[1] for part in parts if isinstance(part, tuple)]
-            changes = self._changes([each for each in parts if isinstance(each, Change)], rule.variables)
-            does = [*changes, *self._payments(paid, rule.variables)]
-            does += [_cost(part) for part in parts if isinstance(part, Fraction)]
+            does = list(self._changes([each for each in parts if isinstance(each, Change)], rule.variables))
+            for part in parts:
+                if isinstance(part, tuple):
+                    _, function, payment = part
+                    paid = self._increase(function, payment.price)
+                    does.append(self._for_each(payment.variables, payment.guard, paid, rule.variables))
             if chance == 1:
                 yield from does
             elif does:
@@ -228,32 +233,21 @@ class _Writer:
     def _constant(self, action: Action) -> list[Node]:
         """What the action costs, whatever comes of it."""
         lasts = Fraction(action.duration or 0) * weight_of(self._domain, RewardKind.DURATION)
-        found = self._paid(lasts, action.cost)
-        if self._earned:
-            found += self._by_functions("reward", action, weight_of(self._domain, RewardKind.COST))
-        if self._priced:
-            found += self._by_functions("total-cost", action, Fraction(1))
-        return found
+        price = Price(lasts) + action.cost.times(weight_of(self._domain, RewardKind.COST))
+        return [
+            *(self._increase("reward", price) if self._earned else []),
+            *(self._increase("total-cost", action.cost) if self._priced else []),
+        ]
 
-    def _paid(self, reward: Fraction, cost: Fraction) -> list[Node]:
-        """What is paid beside what counts say, and what it costs."""
-        found: list[Node] = []
-        if self._earned and (price := reward + cost * weight_of(self._domain, RewardKind.COST)):
-            found.append(_pay(price))
-        if self._priced and cost:
-            found.append(_cost(cost))
-        return found
-
-    def _by_functions(self, counted: str, action: Action, weight: Fraction) -> Iterator[Node]:
-        """What the action adds to a number for its objects, so many times what it costs."""
-        for part in action.cost_parts:
-            if amount := weight * part.weight:
-                value = (self._costs.of(part, abs(amount)), *map(self._texts.term, part.terms))
-                yield ("increase" if amount > 0 else "decrease", (counted,), value)
-
-    def _payments(self, payments: Iterable[Payment], scope: tuple[Variable, ...]) -> Iterator[Node]:
-        for payment in payments:
-            yield self._for_each(payment.variables, payment.guard, [_pay(payment.amount)], scope)
+    def _increase(self, function: str, price: Price) -> list[Node]:
+        """What adds a price to a numeric function."""
+        added: list[tuple[Fraction, Node]] = []
+        if price.number:
+            added.append((price.number, print_fraction(abs(price.number))))
+        for part in price.parts:
+            value = (self._costs.of(part, abs(part.weight)), *map(self._texts.term, part.terms))
+            added.append((part.weight, value))
+        return [("increase" if sign > 0 else "decrease", (function,), amount) for sign, amount in added]
 
     def _changes(self, changes: Sequence[Change], scope: tuple[Variable, ...]) -> Iterator[Node]:
         """The changes; those for the bindings of one guard stand together."""
@@ -384,14 +378,6 @@ def _conjunction(parts: Sequence[Node]) -> Node:
     for part in parts:
         flat += part[1:] if part[0] == "and" else [part]
     return flat[0] if len(flat) == 1 else ("and", *flat)
-
-
-def _cost(amount: Fraction) -> Node:
-    return ("increase", ("total-cost",), print_fraction(amount))
-
-
-def _pay(amount: Fraction) -> Node:
-    return ("increase" if amount > 0 else "decrease", ("reward",), print_fraction(abs(amount)))
 
 
 def _text(node: Node, head: Sequence[str]) -> str:

@@ -5,11 +5,12 @@ from __future__ import annotations
 from collections.abc import Iterator, Sequence
 from fractions import Fraction
 
+from cleancli.conversion.export.payments import priced
 from cleancli.conversion.export.rddl_formulas import FormulaWriter, number
-from cleancli.conversion.export.rddl_rules import Ruled, happens, refuse_closures, results_of
+from cleancli.conversion.export.rddl_rules import Ruled, happens, refuse_closures, results_of, when
 from cleancli.conversion.export.unsaid import Unsaid
 from cleancli.conversion.pddl.formula import ALWAYS, Formula
-from cleancli.language.model import Action, Domain, Problem, RewardKind, RewardTerm, Variable
+from cleancli.language.model import Action, Domain, Price, Problem, RewardKind, RewardTerm, Variable
 
 
 class RewardWriter:
@@ -54,31 +55,41 @@ class RewardWriter:
                 pass
             case RewardKind.COST | RewardKind.DURATION:
                 for action in self._domain.actions:
-                    price = action.cost if term.kind is RewardKind.COST else Fraction(action.duration or 0)
-                    if price:
-                        yield f"({number(term.weight * price)}) * {self._done(action)}"
-                    if term.kind is RewardKind.COST:
-                        yield from self._by_functions(action, term.weight)
+                    lasts = Price(Fraction(action.duration or 0))
+                    price = (action.cost if term.kind is RewardKind.COST else lasts).times(term.weight)
+                    if price.number:
+                        yield f"({number(price.number)}) * {self._done(action)}"
+                    done = (
+                        f"{self._texts.name('action', action.name)}{self._texts.arguments(action.parameters)}"
+                    )
+                    yield from self._by_functions(price, action.parameters, [done])
 
     def _by_outcomes(self, ruled: Ruled) -> Iterator[str]:
         """What the outcomes of a rule pay by themselves."""
         for draw, place, _ in results_of(ruled):
-            if price := draw.paid[place]:
+            price = draw.paid[place]
+            if price.number:
                 case = happens(ruled, draw, place, "true", self._texts)
-                yield f"({number(price)}) * (if ({case}) then 1.0 else 0.0)"
+                yield f"({number(price.number)}) * (if ({case}) then 1.0 else 0.0)"
+            for payment in priced(Price(parts=price.parts), ruled.rule, self._formulas):
+                bound = (*ruled.rule.variables, *payment.variables)
+                fits = self._texts.formula(self._formulas.apart(payment.guard, bound))
+                yield from self._by_functions(
+                    payment.price, bound, [*when(ruled, draw, place, self._texts), fits]
+                )
 
-    def _by_functions(self, action: Action, weight: Fraction) -> Iterator[str]:
-        """What the action is paid by values of functions for its objects, so many times what it costs."""
-        called = f"{self._texts.name('action', action.name)}{self._texts.arguments(action.parameters)}"
-        for part in action.cost_parts:
-            if amount := weight * part.weight:
-                variables, constants = self._texts.for_constants(part.terms, action.parameters)
-                named = self._texts.chosen(constants)
-                value = f"{self._texts.fluent(part.symbol)}{self._texts.arguments(variables)}"
-                done = " ^ ".join([called, *self._texts.fits(action.parameters), *named])
-                bound = self._texts.typed([*action.parameters, *constants])
-                summed = f"({done}) * {value}"
-                yield f"({number(amount)}) * " + (f"(sum_{{{bound}}} [{summed}])" if bound else summed)
+    def _by_functions(
+        self, price: Price, variables: Sequence[Variable], happens: Sequence[str]
+    ) -> Iterator[str]:
+        """What functions say of a price, for the objects that the variables stand for where all of `happens`
+        holds."""
+        for part in price.parts:
+            terms, constants = self._texts.for_constants(part.terms, variables)
+            value = f"{self._texts.fluent(part.symbol)}{self._texts.arguments(terms)}"
+            asked = [*happens, *self._texts.fits(variables), *self._texts.chosen(constants)]
+            bound = self._texts.typed([*variables, *constants])
+            summed = f"({' ^ '.join(each for each in asked if each != 'true')}) * {value}"
+            yield f"({number(part.weight)}) * " + (f"(sum_{{{bound}}} [{summed}])" if bound else summed)
 
     def _counted(self, variables: Sequence[Variable], formula: Formula, *, after: bool) -> str:
         said = " ^ ".join([*self._texts.fits(variables), self._texts.formula(formula, after=after)])

@@ -14,7 +14,7 @@ from cleancli.conversion.export.unsaid import Unsaid
 from cleancli.conversion.pddl.effects import Change
 from cleancli.conversion.pddl.formula import Formula
 from cleancli.language.diagnostics.diagnostic import Span
-from cleancli.language.model import Domain, Outcome, RewardKind, Rule, weight_of
+from cleancli.language.model import NOTHING_PAID, Domain, Outcome, Price, RewardKind, Rule, weight_of
 
 
 @dataclass(frozen=True, slots=True)
@@ -24,7 +24,7 @@ class Draw:
 
     chances: tuple[Fraction, ...]
     changes: tuple[tuple[Change, ...], ...]
-    paid: tuple[Fraction, ...]
+    paid: tuple[Price, ...]
     fluent: str
     type: str
     results: tuple[str, ...]
@@ -61,15 +61,15 @@ def _ruled(rule: Rule, domain: Domain, texts: FormulaWriter, unsaid: Unsaid) -> 
 
 def _parts(
     outcome: Outcome, rule: Rule, known: Formula, price: Fraction, texts: FormulaWriter
-) -> list[Change | Fraction]:
+) -> list[Change | Price]:
     """What an outcome changes, and what it pays by itself, where a cost counts with its price."""
-    paid = outcome.reward + price * outcome.cost
+    paid = outcome.reward + outcome.cost.times(price)
     changes = changes_of(outcome, rule, known, texts.formulas, texts.noise)
     return [*changes, *([paid] if paid else [])]
 
 
 def _draws(
-    rule: Rule, parts: Sequence[tuple[Fraction, list[Change | Fraction]]], texts: FormulaWriter
+    rule: Rule, parts: Sequence[tuple[Fraction, list[Change | Price]]], texts: FormulaWriter
 ) -> Iterator[Draw]:
     """The draws of a rule; they are numbered where several have several results."""
     found = draws_of(parts)
@@ -81,7 +81,7 @@ def _draws(
         yield Draw(
             tuple(chance for chance, _ in draw),
             tuple(tuple(each for each in result if isinstance(each, Change)) for _, result in draw),
-            tuple(sum((e for e in result if isinstance(e, Fraction)), Fraction(0)) for _, result in draw),
+            tuple(sum((e for e in result if isinstance(e, Price)), NOTHING_PAID) for _, result in draw),
             texts.name(f"drawn {own}", f"{title}_drawn") if results else "",
             texts.name(f"outcomes {own}", f"{title}_outcome") if results else "",
             tuple(f"@{texts.name(f'outcome {own}', f'{title}_{number}')}" for number in results),
@@ -103,6 +103,10 @@ def results_of(ruled: Ruled) -> Iterator[tuple[Draw, int, tuple[Change, ...]]]:
 
 def happens(ruled: Ruled, draw: Draw, place: int, hit: str, texts: FormulaWriter) -> str:
     """That the rule applies, a draw has the result at a place, and something holds."""
+    return texts.some(ruled.rule.variables, [*when(ruled, draw, place, texts), hit])
+
+
+def when(ruled: Ruled, draw: Draw, place: int, texts: FormulaWriter) -> list[str]:
+    """That the rule applies, and a draw has the result at a place."""
     applies = f"{ruled.name}{texts.arguments(ruled.rule.variables)}"
-    drawn = [f"({draw.fluent} == {draw.results[place]})"] if draw.results else []
-    return texts.some(ruled.rule.variables, [applies, *drawn, hit])
+    return [applies, *([f"({draw.fluent} == {draw.results[place]})"] if draw.results else [])]

@@ -8,7 +8,6 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
-from fractions import Fraction
 
 from cleancli.conversion.pddl.define import Definitions
 from cleancli.conversion.pddl.effects import (
@@ -27,7 +26,7 @@ from cleancli.conversion.pddl.resolve import NO_VARIABLES, Predicate, Words
 from cleancli.conversion.pddl.rules import outcome_of
 from cleancli.conversion.pddl.schemas import Schema
 from cleancli.conversion.pddl.syntax import ChanceNode
-from cleancli.language.model import Action, Rule
+from cleancli.language.model import NOTHING_PAID, Action, Rule
 
 
 @dataclass(frozen=True, slots=True)
@@ -60,7 +59,7 @@ def begun(
     has_begun = literal(symbol, ())
     first = Change((), ALWAYS, symbol, (), True)
     begins = (replace(each, changes=(*each.changes, first)) for each in results)
-    outcomes = tuple(outcome_of(each, Fraction(0), definitions) for each in begins)
+    outcomes = tuple(outcome_of(each, NOTHING_PAID, definitions) for each in begins)
     rule = Rule(name, name, (), definitions.condition(negated(has_begun)), outcomes)
     later = tuple(
         replace(s, rules=tuple(replace(r, condition=(*r.condition, has_begun)) for r in s.rules))

@@ -71,7 +71,9 @@ def domain_of(
         for each in words.predicates.values()
         if each.name in asked | changed
     )
-    parts = [part for action in actions for part in action.cost_parts]
+    prices = [action.cost for action in actions]
+    prices += [price for rule in rules for each in rule.outcomes for price in (each.reward, each.cost)]
+    parts = [part for price in prices for part in price.parts]
     counting = [each for each in functions if each.name in {part.symbol for part in parts}]
     named = _objects_in(conditions[: len(conditions) - len(starts)], effects)
     named |= {term for part in parts for term in part.terms if isinstance(term, Object)}
@@ -85,7 +87,7 @@ def domain_of(
     bound = [*(v for head in heads for v in head), *_bound(conditions), *_bound_by_effects(rules)]
     things = everything if starts else constants
     types = _types({v.type for v in bound} | {thing.type for thing in things}, words)
-    costs = any(action.has_cost for action in actions) or any(
+    costs = any(action.cost for action in actions) or any(
         outcome.cost for rule in rules for outcome in rule.outcomes
     )
     return Domain(

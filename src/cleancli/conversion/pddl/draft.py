@@ -18,6 +18,7 @@ from cleancli.conversion.pddl.syntax import DomainNode, ProblemNode
 from cleancli.language.diagnostics.diagnostic import Level, Span
 from cleancli.language.diagnostics.sink import Findings
 from cleancli.language.model import Domain, Horizon, Problem
+from cleancli.language.printing.printer import print_fraction
 
 _HIDE_NOTHING = frozenset({"E917", "E918"})
 """Mistakes of reading from which no other follows: what cannot be said is left out, and probabilities are in
@@ -69,7 +70,7 @@ def draft_of(
     words = Words(domain, problems, findings, texts, is_open=wishes.is_open and not problems)
     metric = metric_of(domain, problems, findings)
     definitions = Definitions(words.symbols)
-    functions = Functions(domain, problems, words)
+    functions = Functions(domain, problems, words, metric.earned)
     effects = Effects(words, metric.counted, functions, metric.earned)
     schemas = schemas_of(domain.actions, words, effects, definitions)
     _warn_of_objects(words)
@@ -93,7 +94,9 @@ def draft_of(
     places = {schema.action.name: schema.place for schema in first.schemas}
     counted = {*effects.counted, *functions.names}
     notes = _notes(domain, made, first.schemas, words, counted, effects.written_out)
-    notes += tuple(_about(each) for each in functions.used if each.parts > 1 or each.known is not None)
+    notes += tuple(
+        _about(each) for each in functions.used if each.parts > 1 or each.least or each.known is not None
+    )
     return Draft(made, tuple(drafts), notes, domain.name.span, places)
 
 
@@ -142,14 +145,8 @@ def _notes(
         ("functions that count for nothing", functions),
     )
     left = [f"left out: {what}: {', '.join(names)}" for what, names in parts if names]
-    places = [schema.place for schema in schemas]
-    several = [each.name.text for each in node.actions if places.count(each.name.span) > 1]
-    if several:
-        left.append(
-            f"functions say by conditions what these cost, so each is several actions: {', '.join(several)}"
-        )
     if written_out:
-        left.append("rules are written out for the problem's objects where chance decides for each of them")
+        left.append("rules are written out for the objects where something is drawn or paid for each")
     return tuple(left)
 
 
@@ -157,6 +154,7 @@ def _about(function: Function) -> str:
     """How a function says what PDDL says."""
     name, parts = function.symbol.name, f"parts of 1/{function.parts}"
     counts = [f"counts {parts}"] if function.parts > 1 else []
+    counts += [f"counts from {print_fraction(function.least)} on"] if function.least else []
     known = [] if function.known is None else [f"has a value in PDDL where `{function.known}` holds"]
     return f"`{name}` {' and '.join([*counts, *known])}"
 

@@ -1,8 +1,7 @@
 """Effects of PDDL as trees over .nid symbols, and what such a tree comes to.
 
-`forall` is pushed inwards to the atoms that are set. Where chance has a part inside of it, which is drawn for
-each object by itself, it is written out for all objects of the problem (Younes and Littman 2004, section
-2.2).
+`forall` is pushed inwards to the atoms that are set. What is drawn or paid inside of it is so for each object
+by itself, so there it is written out for all objects of the problem (Younes and Littman 2004, section 2.2).
 """
 
 from __future__ import annotations
@@ -28,7 +27,6 @@ from cleancli.conversion.pddl.functions import Functions
 from cleancli.conversion.pddl.resolve import Scope, Words
 from cleancli.conversion.pddl.syntax import (
     AllNode,
-    AtomNode,
     ChanceNode,
     EachNode,
     EffectNode,
@@ -38,7 +36,7 @@ from cleancli.conversion.pddl.syntax import (
     WhenNode,
 )
 from cleancli.language.diagnostics.diagnostic import Span
-from cleancli.language.model import CostPart, Object, Term, Variable
+from cleancli.language.model import NOTHING_PAID, Object, Price, Term, Variable
 
 MOST_OUTCOMES = 512
 """Outcomes that one rule may have. Chosen: more than people read, and few enough to plan with."""
@@ -85,8 +83,11 @@ class Chance:
 class Paid:
     """What is earned and what it costs, 0 or more each."""
 
-    reward: Fraction = Fraction(0)
-    cost: Fraction = Fraction(0)
+    reward: Price = NOTHING_PAID
+    cost: Price = NOTHING_PAID
+
+    def __bool__(self) -> bool:
+        return bool(self.reward or self.cost)
 
     def __add__(self, other: Paid) -> Paid:
         return Paid(self.reward + other.reward, self.cost + other.cost)
@@ -94,16 +95,20 @@ class Paid:
     @property
     def in_all(self) -> Paid:
         """The same as a cost, or as a reward where more is earned."""
-        more = self.cost - self.reward
-        return Paid(max(-more, Fraction(0)), max(more, Fraction(0)))
+        return paid_by(self.cost + self.reward.times(Fraction(-1)))
+
+
+def paid_by(price: Price) -> Paid:
+    """What costs so much; what is below 0 is earned."""
+    cost, reward = price.by_sign()
+    return Paid(reward, cost)
 
 
 @dataclass(frozen=True, slots=True)
 class Pay:
-    """So much is paid, and what functions say; `asked` says that the values for it are known."""
+    """So much is paid; `asked` says that the values for it are known."""
 
     paid: Paid = Paid()
-    parts: tuple[CostPart, ...] = ()
     asked: Formula = ALWAYS
 
 
@@ -148,7 +153,7 @@ class Effects:
             case ChanceNode(branches):
                 return Chance(tuple((p, self.tree(part, scope)) for p, part in branches if p))
             case PayNode():
-                return self._pay(node, scope, bool(variables))
+                return self._pay(node, scope)
 
     def _set(self, node: SetNode, scope: Scope, variables: tuple[Variable, ...], guard: Formula) -> Tree:
         found = self._words.atom(node.atom, scope)
@@ -165,7 +170,7 @@ class Effects:
         return change if bound or asked == ALWAYS else Branch(asked, change)
 
     def _each(self, node: EachNode, scope: Scope, variables: tuple[Variable, ...], guard: Formula) -> Tree:
-        if _has_chance(node.effect):
+        if self._is_for_each(node.effect):
             return self._written_out(node, scope)
         own, inner, asked = self._words.bound(node.variables, scope)
         if any(self._words.is_empty(variable.type) for variable in own):
@@ -177,7 +182,9 @@ class Effects:
         words = self._words
         found = [self._objects(each.types, node.span) for each in node.variables]
         if prod(map(len, found)) > MOST_BINDINGS:
-            message = f"chance has a part in this for each of more than {MOST_BINDINGS} bindings"
+            message = (
+                f"chance or what is paid has a part in this for each of more than {MOST_BINDINGS} bindings"
+            )
             words.findings.error("E917", message, node.span)
             return NOTHING
         self.written_out = True
@@ -193,38 +200,43 @@ class Effects:
         if objects is None and self._words.is_open:
             return ()
         if objects is None:
-            message = "chance has a part in this for each object, and it is not known which objects there are"
+            message = "this is drawn or paid for each object, and it is not known which objects there are"
             help = "give the problem too; of several, one at a time"
             self._words.findings.error("E917", message, span, help=help)
             return ()
         fits = self._words.types.is_a
         return tuple(o for o in objects if not members or any(fits(o.type, one) for one in members))
 
-    def _pay(self, node: PayNode, scope: Scope, each: bool) -> Tree:
+    def _pay(self, node: PayNode, scope: Scope) -> Tree:
         sign = self.counted.get(node.function.symbol.text)
         if sign is None:
             return NOTHING
-        if each or node.amount is None:
-            message = "a cost is a sum of numbers and of values that never change"
+        if node.amount is None:
+            message = "a cost is a sum of numbers and of multiples of values that never change"
             self._words.findings.error("E917", message, node.span)
             return NOTHING
-        if isinstance(node.amount, Fraction):
-            cost = sign * node.amount
-            return Pay(Paid(cost=cost) if cost >= 0 else Paid(reward=-cost))
-        found = self._functions.part(sign * node.sign, node.amount, scope)
-        return NOTHING if found is None else Pay(parts=(found[0],), asked=found[1])
+        price, asked = NOTHING_PAID, list[Formula]()
+        for weight, function in node.amount:
+            if function is None:
+                price += Price(sign * weight)
+            elif (found := self._functions.price(function, scope)) is not None:
+                price += found[0].times(sign * weight)
+                asked.append(found[1])
+        return Pay(paid_by(price), both(asked))
 
-
-def _has_chance(node: EffectNode) -> bool:
-    match node:
-        case ChanceNode():
-            return True
-        case AllNode(parts):
-            return any(map(_has_chance, parts))
-        case WhenNode() | EachNode():
-            return _has_chance(node.effect)
-        case SetNode() | PayNode() | AtomNode():
-            return False
+    def _is_for_each(self, node: EffectNode) -> bool:
+        """Whether something in an effect is drawn or paid, for each binding of a `forall` by itself then."""
+        match node:
+            case ChanceNode():
+                return True
+            case PayNode():
+                return node.function.symbol.text in self.counted
+            case AllNode(parts):
+                return any(map(self._is_for_each, parts))
+            case WhenNode() | EachNode():
+                return self._is_for_each(node.effect)
+            case SetNode():
+                return False
 
 
 # ---- what a tree comes to
@@ -306,8 +318,8 @@ def first_condition(tree: Tree, *, paying: bool = False) -> Formula | None:
 def _costs(tree: Tree) -> bool:
     """Whether a part of a tree costs something."""
     match tree:
-        case Pay(paid, parts):
-            return paid != Paid() or bool(parts)
+        case Pay(paid):
+            return bool(paid)
         case All(parts):
             return any(map(_costs, parts))
         case Branch(_, part):
@@ -379,36 +391,8 @@ def _merged(results: Iterable[Result]) -> Results:
     return found
 
 
-def mean_parts(tree: Tree) -> tuple[CostPart, ...]:
-    """What functions say that a tree without conditions costs on average: sorted, one part for each function
-    and terms."""
-    weights: dict[tuple[str, tuple[Term, ...]], Fraction] = {}
-    for likely, part in _parts_in(tree, Fraction(1)):
-        key = part.symbol, part.terms
-        weights[key] = weights.get(key, Fraction(0)) + likely * part.weight
-    ordered = sorted(weights, key=lambda key: (key[0], [term.name for term in key[1]]))
-    return tuple(CostPart(weights[key], *key) for key in ordered if weights[key])
-
-
-def _parts_in(tree: Tree, likely: Fraction) -> Iterator[tuple[Fraction, CostPart]]:
-    """All parts of costs in a tree, with how likely each is paid."""
-    match tree:
-        case Pay(_, parts):
-            yield from ((likely, part) for part in parts)
-        case All(parts):
-            for part in parts:
-                yield from _parts_in(part, likely)
-        case Chance(branches):
-            for p, part in branches:
-                yield from _parts_in(part, likely * p)
-        case Change():
-            return
-        case Branch():
-            raise AssertionError("conditions are decided before")
-
-
 def known_for(tree: Tree) -> Iterator[Formula]:
-    """What has to be known for the costs of a tree that depend on no condition."""
+    """What has to be known for what is paid whatever conditions hold."""
     match tree:
         case Pay(asked=asked):
             yield asked
@@ -420,19 +404,6 @@ def known_for(tree: Tree) -> Iterator[Formula]:
                 yield from known_for(part)
         case Branch() | Change():
             return
-
-
-def known_under_conditions(tree: Tree) -> Formula:
-    """What has to be known for the costs of a tree where conditions hold; always true for nothing."""
-    match tree:
-        case Branch(_, part):
-            return both([*known_for(part), known_under_conditions(part)])
-        case All(parts):
-            return both(map(known_under_conditions, parts))
-        case Chance(branches):
-            return both(known_under_conditions(part) for _, part in branches)
-        case Pay() | Change():
-            return ALWAYS
 
 
 def changes_of(tree: Tree) -> list[Change]:

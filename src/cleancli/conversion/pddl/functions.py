@@ -1,8 +1,8 @@
-"""The numeric functions of PDDL that costs are counted with, as static functions of .nid files.
+"""The numeric functions of PDDL that costs and rewards are counted with, as static functions of .nid files.
 
-These have whole numbers: values that are none are counted in parts of 1, of which a cost takes as much less.
-PDDL may leave values out, and what would cost such a value cannot be done; a .nid file states all of them, so
-a predicate tells which are known.
+These have whole numbers from 0 up: values that are none are counted in parts of 1, of which a price takes as
+much less, and where some are below 0 all are counted from the least. PDDL may leave values out, and what
+would cost such a value cannot be done; a .nid file states all of them, so a predicate tells which are known.
 """
 
 from __future__ import annotations
@@ -18,7 +18,7 @@ from cleancli.conversion.pddl.resolve import Predicate, Scope, Words
 from cleancli.conversion.pddl.syntax import AtomNode, DomainNode, ProblemNode, ValueNode
 from cleancli.language.checking.symbols import MOST_VALUES
 from cleancli.language.diagnostics.plural import plural
-from cleancli.language.model import CostPart, Fact, Object, Symbol, Term
+from cleancli.language.model import Fact, Object, Price, PricePart, Symbol, Term
 
 MOST_LEFT_OUT = 50_000
 """Values of a function that PDDL may leave out, and the .nid problem states. Chosen: a file of megabytes."""
@@ -28,11 +28,13 @@ _Values = Mapping[tuple[str, ...], Fraction]
 
 @dataclass(frozen=True, slots=True)
 class Function:
-    """A function that is used: its symbol, the parts of 1 that its values are counted in, its values in each
-    problem by the names of objects in .nid files, and the predicate of what has one (None: all have)."""
+    """A function that is used: its symbol, the parts of 1 that its values are counted in, and from which
+    value on (0 or less), its values in each problem by the names of objects in .nid files, and the predicate
+    of what has one (None: all have)."""
 
     symbol: Symbol
     parts: int
+    least: Fraction
     values: tuple[_Values, ...]
     known: str | None
 
@@ -40,8 +42,12 @@ class Function:
 class Functions:
     """The functions of a domain; each is looked at when it is first used."""
 
-    def __init__(self, domain: DomainNode, problems: Sequence[ProblemNode], words: Words) -> None:
+    def __init__(
+        self, domain: DomainNode, problems: Sequence[ProblemNode], words: Words, earned: bool
+    ) -> None:
+        """`earned`: values may be below 0, since rewards are counted with them and not costs alone."""
         self._words = words
+        self._earned = earned
         self._problems = problems
         self._declared = {each.name.text: each for each in domain.functions}
         self._used: dict[str, Function | None] = {}
@@ -56,9 +62,9 @@ class Functions:
         """Those that were used."""
         return tuple(each for each in self._used.values() if each is not None)
 
-    def part(self, sign: int, node: AtomNode, scope: Scope) -> tuple[CostPart, Formula] | None:
-        """What an action costs by a function, and what asks for a value to be known; None, and E916 or E917,
-        for what cannot be said."""
+    def price(self, node: AtomNode, scope: Scope) -> tuple[Price, Formula] | None:
+        """The value of a function, and what asks for it to be known; None, and E916 or E917, for what cannot
+        be said."""
         terms = [term for term in (self._words.term(each, scope) for each in node.terms) if term is not None]
         if len(terms) < len(node.terms):
             return None
@@ -68,9 +74,9 @@ class Functions:
         function = self._used[name]
         if function is None or not self._fits(function, node, terms):
             return None
-        part = CostPart(Fraction(sign, function.parts), function.symbol.name, tuple(terms))
+        part = PricePart(Fraction(1, function.parts), function.symbol.name, tuple(terms))
         asked = ALWAYS if function.known is None else literal(function.known, tuple(terms))
-        return part, asked
+        return Price(function.least, (part,)), asked
 
     def _fits(self, function: Function, node: AtomNode, terms: Sequence[Term]) -> bool:
         wanted = function.symbol.parameters
@@ -92,7 +98,7 @@ class Functions:
             findings.unknown("E916", "function", name.text, name.span, self._declared)
             return None
         if not self._problems and not self._words.is_open:
-            message = f"what `{name.text}` costs is said by a problem"
+            message = f"the values of `{name.text}` are said by a problem"
             findings.error("E917", message, name.span, help="give the problem too")
             return None
         signature = self._declared[name.text]
@@ -102,8 +108,9 @@ class Functions:
             dict(self._values(problem, objects, name.text, declared))
             for problem, objects in zip(self._problems, self._words.objects, strict=True)
         )
-        parts = lcm(*(value.denominator for each in values for value in each.values()))
-        top = max((int(value * parts) for each in values for value in each.values()), default=0)
+        said = [value for each in values for value in each.values()]
+        parts, least = lcm(*(value.denominator for value in said)), min([Fraction(0), *said])
+        top = max((int((value - least) * parts) for value in said), default=0)
         if top >= MOST_VALUES:
             message = f"the values of `{name.text}` are too far apart for one range"
             findings.error("E917", message, name.span)
@@ -122,12 +129,12 @@ class Functions:
             kinds = [parameter.type for parameter in symbol.parameters]
             names = tuple(parameter.name for parameter in symbol.parameters)
             self._words.predicates[known] = Predicate(known, names, kinds)
-        return Function(symbol, parts, values, known)
+        return Function(symbol, parts, least, values, known)
 
     def _values(
         self, problem: ProblemNode, objects: Mapping[str, Object], name: str, declared: Predicate
     ) -> Iterator[tuple[tuple[str, ...], Fraction]]:
-        """The values of a function in a problem; E916 for what does not fit, E917 for what is below 0."""
+        """The values of a function in a problem; E916 for what does not fit, E917 for a cost below 0."""
         things = {**self._words.constants, **objects}
         for node in problem.values:
             if node.function.symbol.text == name and self._is_right(node, things, declared):
@@ -142,7 +149,7 @@ class Functions:
         for term in node.function.terms:
             if term.text not in things:
                 findings.unknown("E916", "object", term.text, term.span, things)
-        if node.value < 0:
+        if node.value < 0 and not self._earned:
             findings.error("E917", "a cost below 0 would earn something", node.span)
         return findings.errors == before and all(
             self._words.types.is_a(things[term.text].type, kind)
@@ -168,6 +175,8 @@ class Functions:
             name, values = function.symbol.name, function.values[place]
             for objects in self._tuples(function.symbol, place):
                 value = values.get(objects)
-                yield Fact(name, objects, 0 if value is None else int(value * function.parts))
+                yield Fact(
+                    name, objects, 0 if value is None else int((value - function.least) * function.parts)
+                )
                 if value is not None and function.known is not None:
                     yield Fact(function.known, objects)

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable
 from fractions import Fraction
+from math import prod
 
 from cleancli.conversion.pddl.read_conditions import Reader, Unreadable, number_in
 from cleancli.conversion.pddl.syntax import (
@@ -89,14 +90,54 @@ def _pay(node: Group, reader: Reader) -> PayNode:
     span = reader.span(node)
     if len(node.items) != 3:
         raise Unreadable(f"`{node.head}` has a function and an amount", span)
-    sign = 1 if node.head == "increase" else -1
-    value = number_in(node.items[2])
-    amount: Fraction | AtomNode | None = None
+    amount = _sum(node.items[2], reader)
+    if amount is not None and node.head == "decrease":
+        amount = _times(amount, Fraction(-1))
+    return PayNode(_function(node.items[1], reader), amount, span=span)
+
+
+_Sum = tuple[tuple[Fraction, AtomNode | None], ...]
+_ONE: _Sum = ((Fraction(1), None),)
+
+
+def _sum(node: Node, reader: Reader) -> _Sum | None:
+    """An amount as `PayNode` has it; None for what is no sum of multiples."""
+    value = number_in(node)
     if value is not None:
-        amount = sign * value
-    elif isinstance(node.items[2], Group) and node.items[2].head not in ("+", "-", "*", "/"):
-        amount = reader.atom(node.items[2])
-    return PayNode(_function(node.items[1], reader), sign, amount, span=span)
+        return ((value, None),)
+    if isinstance(node, Word) or node.head not in ("+", "-", "*", "/"):
+        return ((Fraction(1), _function(node, reader)),)
+    parts = [_sum(part, reader) for part in node.items[1:]]
+    known = [part for part in parts if part is not None]
+    if len(known) < len(parts) or not parts:
+        return None
+    first, others = known[0], known[1:]
+    match node.head:
+        case "+":
+            return tuple(each for part in known for each in part)
+        case "-":
+            signed = [first, *(_times(part, Fraction(-1)) for part in others)]
+            return tuple(each for part in signed for each in part) if others else _times(first, Fraction(-1))
+        case "*":
+            varying = [part for part in known if _constant(part) is None]
+            factors = [value for part in known if (value := _constant(part)) is not None]
+            if len(varying) > 1:
+                return None
+            return _times(varying[0] if varying else _ONE, prod(factors, start=Fraction(1)))
+        case _:
+            divisors = [_constant(part) for part in others]
+            return _times(first, 1 / divisors[0]) if len(divisors) == 1 and divisors[0] else None
+
+
+def _times(amount: _Sum, factor: Fraction) -> _Sum:
+    return tuple((factor * weight, function) for weight, function in amount)
+
+
+def _constant(amount: _Sum) -> Fraction | None:
+    """The number that a sum is; None where functions are in it."""
+    if any(function is not None for _, function in amount):
+        return None
+    return sum((weight for weight, _ in amount), Fraction(0))
 
 
 def _function(node: Node, reader: Reader) -> AtomNode:

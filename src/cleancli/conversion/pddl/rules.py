@@ -22,7 +22,7 @@ from cleancli.conversion.pddl.effects import (
     decided,
     first_condition,
     guarded,
-    mean_parts,
+    known_for,
     renamed,
     results_of,
 )
@@ -45,12 +45,12 @@ from cleancli.conversion.pddl.types import Types
 from cleancli.language.model import (
     Assign,
     Condition,
-    CostPart,
     Equality,
     ForAll,
     Object,
     Outcome,
     OutcomeKind,
+    Price,
     Term,
     Variable,
 )
@@ -66,11 +66,11 @@ MOST_COSTS = 16
 @dataclass(frozen=True, slots=True)
 class Case:
     """A way in which the conditions of an effect turn out: those that were decided, the outcomes then, and
-    what functions say that the action costs on average."""
+    what has to be known for what they pay."""
 
     decisions: tuple[tuple[Formula, bool], ...]
     results: tuple[Result, ...]
-    parts: tuple[CostPart, ...]
+    asked: Formula = ALWAYS
 
 
 def cases_of(precondition: Formula, tree: Tree, types: Types) -> list[Case]:
@@ -114,7 +114,7 @@ def _either_way(
 def _undivided(tree: Tree, known: tuple[Formula, ...], types: Types) -> Case:
     """The case that all conditions of the effect stay in; none of them decides of costs."""
     tree = decided(guarded(tree), known)
-    return Case((), _all_settled(results_of(tree).values(), known, types), mean_parts(tree))
+    return Case((), _all_settled(results_of(tree).values(), known, types), both(known_for(tree)))
 
 
 def _parts(formula: Formula) -> tuple[Formula, ...]:
@@ -131,7 +131,7 @@ def _cases(
         met = (_open(each.changes, known, types) for each in results)
         condition = next((each for each in met if each is not None), None)
         if condition is None:
-            yield Case(decisions, _all_settled(results, known, types), mean_parts(tree))
+            yield Case(decisions, _all_settled(results, known, types), both(known_for(tree)))
             return
     for holds, inner in _either_way(tree, known, condition, types):
         yield from _cases(*inner, (*decisions, (condition, holds)), types)
@@ -245,10 +245,21 @@ def conditions_of(
         left = both(assuming(part, decided) for part in _parts(precondition)) if decided else precondition
         shared = base if left == precondition else definitions.condition(left)
         own = [definitions.decision(*each, plainly=plainly) for each in case.decisions]
-        yield tuple(dict.fromkeys([*shared, *(part for parts in own for part in parts)]))
+        known = definitions.condition(case.asked)
+        yield tuple(dict.fromkeys([*shared, *(part for parts in own for part in parts), *known]))
 
 
-def outcome_of(result: Result, cost: Fraction, definitions: Definitions) -> Outcome:
+def shared_cost(cases: Iterable[Case]) -> Price:
+    """What an action costs in all outcomes of its cases."""
+    costs = [each.paid.cost for case in cases for each in case.results]
+    weights = [{(part.symbol, part.terms): part.weight for part in cost.parts} for cost in costs]
+    common = costs[0].parts if costs else ()
+    least = [min(each.get((part.symbol, part.terms), Fraction(0)) for each in weights) for part in common]
+    parts = [replace(part, weight=weight) for part, weight in zip(common, least, strict=True) if weight]
+    return Price(min((cost.number for cost in costs), default=Fraction(0)), tuple(parts))
+
+
+def outcome_of(result: Result, cost: Price, definitions: Definitions) -> Outcome:
     """An outcome of an action that has a cost by itself; what has one `forall` stands in one."""
     effects: list[Assign | ForAll] = []
     places: dict[tuple[tuple[Variable, ...], Formula], int] = {}
@@ -265,7 +276,7 @@ def outcome_of(result: Result, cost: Fraction, definitions: Definitions) -> Outc
             places[key] = len(effects)
             guard = definitions.literals(change.guard)
             effects.append(ForAll(change.variables, guard, (assigned,)))
-    reward, more = result.paid.reward, result.paid.cost - cost
+    reward, more = result.paid.reward, result.paid.cost + cost.times(Fraction(-1))
     kind = OutcomeKind.CHANGE if effects or reward or more else OutcomeKind.NOTHING
     return Outcome(result.chance, kind, tuple(effects), reward=reward, cost=more)
 

@@ -165,12 +165,11 @@ class ChanceNode(Node):
 
 @dataclass(frozen=True, slots=True)
 class PayNode(Node):
-    """That a numeric function rises by an amount: a number (negative where it falls), or `sign` times the
-    value of another function; None for what is neither."""
+    """That a numeric function rises by an amount, below 0 where it falls: a sum of multiples of functions'
+    values, or of 1 (None in the place of a function). None for an amount that is no such sum."""
 
     function: AtomNode
-    sign: int
-    amount: Fraction | AtomNode | None
+    amount: tuple[tuple[Fraction, AtomNode | None], ...] | None
 
 
 EffectNode = SetNode | AllNode | WhenNode | EachNode | ChanceNode | PayNode

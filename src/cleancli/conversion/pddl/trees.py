@@ -26,6 +26,7 @@ from cleancli.language.model import (
     Object,
     Outcome,
     OutcomeKind,
+    Price,
     Quantified,
     RewardKind,
     RewardTerm,
@@ -116,7 +117,7 @@ class _Tree:
         return syntax.DefinitionNode(*head, self.condition(derived.condition), span=self._place)
 
     def action(self, action: Action) -> syntax.ActionNode:
-        marks = (self._cost(action),) if action.has_cost else ()
+        marks = (self._cost(action),) if action.cost else ()
         return syntax.ActionNode(
             self.name(action.name), self.groups(action.parameters), marks, span=self._place
         )
@@ -133,15 +134,17 @@ class _Tree:
         return syntax.Attribute(self.name("static"), None, span=self._place)
 
     def _cost(self, action: Action) -> syntax.Attribute:
-        amount = self.number(action.cost) if action.cost or not action.cost_parts else None
+        return syntax.Attribute(self.name("cost"), self._price(action.cost), span=self._place)
+
+    def _price(self, price: Price) -> syntax.Price:
+        amount = self.number(price.number) if price.number or not price.parts else None
         parts = tuple(
             syntax.Priced(
                 self.number(part.weight), self._application(part.symbol, part.terms), span=self._place
             )
-            for part in action.cost_parts
+            for part in price.parts
         )
-        price = syntax.Price(amount, parts, span=self._place)
-        return syntax.Attribute(self.name("cost"), price, span=self._place)
+        return syntax.Price(amount, parts, span=self._place)
 
     def payment(self, term: RewardTerm) -> syntax.Payment:
         what: syntax.ReachedGoal | syntax.ActionCost = syntax.ActionCost(span=self._place)
@@ -168,9 +171,10 @@ class _Tree:
         return syntax.OutcomeNode(weight, result, span=self._place)
 
     def _payments(self, outcome: Outcome) -> Iterator[syntax.PayNode]:
-        for what, amount in (("reward", outcome.reward), ("cost", outcome.cost)):
-            if amount:
-                yield syntax.PayNode(self.name(what), amount > 0, self.number(abs(amount)), span=self._place)
+        for what, price in (("reward", outcome.reward), ("cost", outcome.cost)):
+            for rises, part in zip((True, False), price.by_sign(), strict=True):
+                if part:
+                    yield syntax.PayNode(self.name(what), rises, self._price(part), span=self._place)
 
     def _effect(
         self, effect: Assign | Shift | ForAll

@@ -1,4 +1,4 @@
-"""The check of what actions cost by values of functions, and of what outcomes pay.
+"""The check of prices: what actions cost by values of functions, and what outcomes pay.
 
 Guaranteed before: the actions with what they cost anyway, and all symbols.
 """
@@ -17,11 +17,12 @@ from cleancli.language.checking.conditions import (
     shown_values,
 )
 from cleancli.language.checking.declarations import sections_of
-from cleancli.language.model import Action, CostPart, Symbol
+from cleancli.language.model import NOTHING_PAID, Action, Price, PricePart, Symbol
 
 
-def with_cost_parts(node: syntax.DomainNode, scope: Scope) -> dict[str, Action]:
-    """The actions of a domain with the parts of their costs that functions say (E203 to E209, E228)."""
+def with_prices(node: syntax.DomainNode, scope: Scope) -> dict[str, Action]:
+    """The actions of a domain, which have the numbers that they cost, with what functions say that they cost
+    beside (E203 to E209, E228)."""
     actions = dict(scope.declared.actions)
     for section in sections_of(node.sections, syntax.Actions):
         for item in section.actions:
@@ -29,51 +30,61 @@ def with_cost_parts(node: syntax.DomainNode, scope: Scope) -> dict[str, Action]:
             if prices and item.name.text in actions:
                 action = actions[item.name.text]
                 inner = scope.with_variables(action.parameters)
-                parts = tuple(part for price in prices for part in _parts(price, inner))
-                actions[action.name] = replace(action, cost_parts=parts)
+                said = (_by_functions(price, inner) for price in prices)
+                actions[action.name] = replace(action, cost=sum(said, action.cost))
     return actions
 
 
-def _parts(node: syntax.Price, scope: Scope) -> Iterator[CostPart]:
+def _by_functions(node: syntax.Price, scope: Scope) -> Price:
+    """What functions say of a price, each part once."""
+    return sum((Price(parts=(part,)) for part in _parts(node, scope)), NOTHING_PAID)
+
+
+def _parts(node: syntax.Price, scope: Scope) -> Iterator[PricePart]:
     for item in node.parts:
         if item.weight is not None and item.weight.denominator_is_zero:
             scope.findings.error("E302", "division by zero", item.weight.span)
         resolved = resolve_application(item.application, scope)
         if resolved is not None and _may_count(resolved[0], item, scope):
             weight = Fraction(1) if item.weight is None else item.weight.value
-            yield CostPart(weight, resolved[0].name, resolved[1])
+            yield PricePart(weight, resolved[0].name, resolved[1])
 
 
 def _may_count(symbol: Symbol, node: syntax.Priced, scope: Scope) -> bool:
-    """Whether a cost can be counted with the values of a symbol."""
+    """Whether a price can be counted with the values of a symbol."""
     low = symbol.values[0]
     if symbol.is_predicate:
-        message, help = f"`{symbol.name}` is a predicate", "a cost counts integers that functions have"
+        message, help = f"`{symbol.name}` is a predicate", "a price counts integers that functions have"
     elif not is_integer(symbol) or not isinstance(low, int):
         message, help = f"`{symbol.name}` has no integers", f"its values are {shown_values(symbol)}"
     elif not symbol.static:
         message, help = f"`{symbol.name}` may change", "mark it `[static]` where it is declared"
     elif low < 0:
-        message, help = f"`{symbol.name}` may be below 0", "no cost is: let its range begin at 0 or above"
+        message, help = f"`{symbol.name}` may be below 0", "no price is: let its range begin at 0 or above"
     else:
         return True
     scope.findings.error("E228", message, node.application.span, help=help)
     return False
 
 
-def check_payments(node: syntax.Effects, scope: Scope) -> tuple[Fraction, Fraction]:
-    """What an outcome adds to the reward of its step, and to what its action costs (E229, E302)."""
-    paid = {"reward": Fraction(0), "cost": Fraction(0)}
+def check_payments(node: syntax.Effects, scope: Scope) -> tuple[Price, Price]:
+    """What an outcome adds to the reward of its step, and to what its action costs (E203 to E209, E228, E229,
+    E302)."""
+    paid = {"reward": NOTHING_PAID, "cost": NOTHING_PAID}
     for item in node.effects:
-        if isinstance(item, syntax.PayNode) and _may_pay(item, scope):
-            paid[item.what.text] += item.amount.value if item.rises else -item.amount.value
+        if isinstance(item, syntax.PayNode):
+            number = Fraction(0) if item.price.amount is None else item.price.amount.value
+            price = Price(number) + _by_functions(item.price, scope)
+            if _may_pay(item, price, scope):
+                paid[item.what.text] += price if item.rises else price.times(Fraction(-1))
     return paid["reward"], paid["cost"]
 
 
-def _may_pay(node: syntax.PayNode, scope: Scope) -> bool:
+def _may_pay(node: syntax.PayNode, price: Price, scope: Scope) -> bool:
     what, sign = node.what.text, "+=" if node.rises else "-="
-    if node.amount.denominator_is_zero:
-        scope.findings.error("E302", "division by zero", node.amount.span)
+    amount = node.price.amount
+    if amount is not None and amount.denominator_is_zero:
+        scope.findings.error("E302", "division by zero", amount.span)
         return False
     if what not in ("reward", "cost"):
         message, help = f"an outcome pays by `reward` or `cost`, not by `{what}`", ""
@@ -81,7 +92,7 @@ def _may_pay(node: syntax.PayNode, scope: Scope) -> bool:
             help = f"to change the function, write its objects: `{what}(...) {sign} n`"
     elif what == "cost" and not node.rises:
         message, help = "no cost is below 0", "say what it brings: `reward += n`"
-    elif node.amount.value == 0:
+    elif not price and len(node.price.parts) == len(price.parts):
         message, help = "this pays nothing", "leave it out; an outcome without effects is `nothing`"
     else:
         return True

@@ -12,7 +12,7 @@ from fractions import Fraction
 
 from cleancli.language import syntax
 from cleancli.language.checking.conditions import Scope
-from cleancli.language.checking.costs import with_cost_parts
+from cleancli.language.checking.costs import with_prices
 from cleancli.language.checking.declarations import Declarations, Once, read_objects, read_types, sections_of
 from cleancli.language.checking.derived import (
     as_symbols,
@@ -49,7 +49,7 @@ def check_domain(node: syntax.DomainNode, findings: Findings, compat: bool = Fal
     derived = _derived(node, replace(scope, declared=declared))
     declared = replace(declared, derived=derived)
     scope = replace(scope, declared=declared)
-    declared = replace(declared, actions=with_cost_parts(node, scope))
+    declared = replace(declared, actions=with_prices(node, scope))
     scope = replace(scope, declared=declared)
     counts = check_counts(node, scope)
     rules = check_rules(node, scope)

@@ -20,7 +20,7 @@ from cleancli.language.checking.declarations import (
 from cleancli.language.checking.notes import is_fixed, mark_of, times_seen
 from cleancli.language.diagnostics.diagnostic import Span
 from cleancli.language.diagnostics.sink import Findings
-from cleancli.language.model import Action, Symbol, Value, Variable
+from cleancli.language.model import NOTHING_PAID, Action, Price, Symbol, Value, Variable
 
 LONGEST_DURATION = 1_000_000
 """Seconds of an action; eleven days. Chosen."""
@@ -147,7 +147,7 @@ def _action(node: syntax.ActionNode, declared: Declarations, findings: Findings)
     parameters = read_variables(node.parameters, declared, findings)
     stated = _stated(node.attributes, findings)
     cost, duration = stated.get("cost"), stated.get("duration")
-    price = Fraction(0) if cost is None else _cost(cost, findings)
+    price = NOTHING_PAID if cost is None else Price(_cost(cost, findings))
     action = Action(node.name.text, parameters, cost=price)
     return action if duration is None else _timed(action, duration, findings)
 

@@ -144,6 +144,9 @@ class Builder:
     def build_ratio(self, c: list[_Child], span: Span) -> syntax.Price:
         return syntax.Price(self._number(c[0]), (), span=span)
 
+    def build_amount(self, c: list[_Child], span: Span) -> syntax.Price:
+        return syntax.Price(c[0], (), span=span)
+
     def build_price(self, c: list[_Child], span: Span) -> syntax.Price:
         return syntax.Price(c[0], tuple(c[1:]), span=span)
 
@@ -298,8 +301,8 @@ class Builder:
         return syntax.ShiftNode(application, sign == "+=", self._number(amount), span=span)
 
     def build_pay(self, c: list[_Child], span: Span) -> syntax.PayNode:
-        what, sign, amount = c
-        return syntax.PayNode(self._name(what), sign == "+=", amount, span=span)
+        what, sign, price = c
+        return syntax.PayNode(self._name(what), sign == "+=", price, span=span)
 
     def build_forall(self, c: list[_Child], span: Span) -> syntax.ForAllNode:
         return syntax.ForAllNode(c[0], c[1], c[2], span=span)

@@ -16,7 +16,6 @@ from cleancli.language.model import (
     Action,
     Assign,
     Condition,
-    CostPart,
     Count,
     DerivedPredicate,
     Domain,
@@ -31,6 +30,8 @@ from cleancli.language.model import (
     Outcome,
     OutcomeKind,
     Parameter,
+    Price,
+    PricePart,
     Problem,
     Quantified,
     Reference,
@@ -277,10 +278,14 @@ def print_result(outcome: Outcome, symbols: Symbols) -> str:
     )
 
 
-def print_payments(reward: Fraction, cost: Fraction) -> list[str]:
-    """What an outcome pays, `reward += 5` and `cost += 1/3`; only what is not 0."""
-    paid = ("reward", reward), ("cost", cost)
-    return [f"{what} {'+=' if each > 0 else '-='} {print_fraction(abs(each))}" for what, each in paid if each]
+def print_payments(reward: Price, cost: Price) -> list[str]:
+    """What an outcome pays, `reward += 5 + f(?a)` and `cost += 1/3`; only what is not 0."""
+    return [
+        f"{what} {sign} {print_price(part)}"
+        for what, price in (("reward", reward), ("cost", cost))
+        for sign, part in zip(("+=", "-="), price.by_sign(), strict=True)
+        if part
+    ]
 
 
 def _effect(effect: Assign | Shift | ForAll, symbols: Symbols) -> str:
@@ -377,17 +382,17 @@ def _count(count: Count, symbols: Symbols) -> str:
 
 def _action(action: Action) -> str:
     marks = [] if action.duration is None else [_duration(action, action.duration)]
-    marks += [f"cost = {print_cost(action)}"] if action.has_cost else []
+    marks += [f"cost = {print_price(action.cost)}"] if action.cost else []
     return f"{action.name}({_variables(action.parameters)}){_marks(marks)}"
 
 
-def print_cost(action: Action) -> str:
-    """`2`, or `2 + 0.5 * distance(?a, ?b)`."""
-    constant = [print_fraction(action.cost)] if action.cost or not action.cost_parts else []
-    return " + ".join([*constant, *map(_cost_part, action.cost_parts)])
+def print_price(price: Price) -> str:
+    """`2`, or `2 + 0.5 * distance(?a, ?b)`; nothing in it is below 0."""
+    constant = [print_fraction(price.number)] if price.number or not price.parts else []
+    return " + ".join([*constant, *map(_price_part, price.parts)])
 
 
-def _cost_part(part: CostPart) -> str:
+def _price_part(part: PricePart) -> str:
     weight = "" if part.weight == 1 else f"{print_fraction(part.weight)} * "
     return weight + _applied(part.symbol, part.terms)
 

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from cleancli.language.syntax.conditions import ConditionNode
-from cleancli.language.syntax.marks import Fixed, Prior, Seen
+from cleancli.language.syntax.marks import Fixed, Price, Prior, Seen
 from cleancli.language.syntax.node import Node
 from cleancli.language.syntax.words import Application, Group, Name, Number
 
@@ -49,11 +49,11 @@ class IfNode(Node):
 
 
 class PayNode(Node):
-    """`reward += n`, `reward -= n` or `cost += n`."""
+    """`reward += price`, `reward -= price` or `cost += price`."""
 
     what: Name
     rises: bool
-    amount: Number
+    price: Price
 
 
 class Nothing(Node):

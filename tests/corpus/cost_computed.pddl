@@ -1,0 +1,22 @@
+; A cost is computed of numbers and functions.
+(define (domain corpus)
+  (:requirements :adl :probabilistic-effects)
+  (:types area container - place)
+  (:constants bin - container)
+  (:predicates (dirt ?a - area) (wet ?p - place) (near ?a ?b - area) (in ?a - area ?c - container)
+               (open ?c - container) (ready) (done))
+  (:functions (total-cost) (far ?p ?q - place) - number (work ?p - place))
+  (:action act
+    :parameters (?a - area)
+    :effect (and (wet ?a) (done)
+                 (increase (total-cost) (+ 1 (* 2 (work ?a)) (/ (work bin) 3) (- 3 1/2)))
+                 (probabilistic 0.5 (decrease (total-cost) (- 2 (work bin)))))))
+
+(define (problem start)
+  (:domain corpus)
+  (:objects a1 a2 - area box - container)
+  (:init (dirt a1) (near a1 a2) (ready) (open bin)
+         (= (total-cost) 0) (= (far a1 a2) 2.5) (= (far a2 a1) 1/3) (= (far a1 a1) 4)
+         (= (work a1) 2) (= (work a2) 0) (= (work bin) 7) (= (work box) 1))
+  (:goal (done))
+  (:metric minimize (total-cost)))

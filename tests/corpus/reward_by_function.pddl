@@ -1,0 +1,21 @@
+; A function says what an action earns.
+(define (domain corpus)
+  (:requirements :adl :probabilistic-effects :rewards)
+  (:types area container - place)
+  (:constants bin - container)
+  (:predicates (dirt ?a - area) (wet ?p - place) (near ?a ?b - area) (in ?a - area ?c - container)
+               (open ?c - container) (ready) (done))
+  (:functions (reward) (far ?p ?q - place) - number (work ?p - place))
+  (:action act
+    :parameters (?a ?b - area)
+    :precondition (not (wet ?a))
+    :effect (and (wet ?a) (increase (reward) (far ?a ?b)) (decrease (reward) 1))))
+
+(define (problem start)
+  (:domain corpus)
+  (:objects a1 a2 - area box - container)
+  (:init (dirt a1) (near a1 a2) (ready) (open bin)
+         (= (far a1 a2) 2.5) (= (far a2 a1) 1/3) (= (far a1 a1) 4)
+         (= (work a1) 2) (= (work a2) 0) (= (work bin) 7) (= (work box) 1))
+  (:goal (done))
+  (:metric maximize (reward)))
