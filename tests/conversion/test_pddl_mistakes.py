@@ -231,6 +231,39 @@ def test_what_is_plainly_meant_is_a_warning(name: str) -> None:
     assert all(d.code in ("W911", "W402") and d.label for d in made.diagnostics if d.code == "W911")
 
 
+LAMP = """\
+(define (domain lamp)
+  (:predicates (lit) (broken))
+  (:action switch
+    :parameters ()
+    :precondition (and (not (lit)) (not (broken)))
+    :effect (probabilistic 0.9 (lit) 0.1 (broken)))
+  (:action darken :precondition (lit) :effect (not (lit))))
+(define (problem dark) (:domain lamp) (:init (lit)) (:goal (not (lit))))
+"""
+
+
+@pytest.mark.parametrize(
+    ("old", "new", "where", "words"),
+    [
+        ("0.9 (lit) 0.1", "0.9 lit 0.1", (6, 32), "`lit` stands without parentheses"),
+        ("(not (broken))", "(not broken)", (5, 41), "`broken` stands without parentheses"),
+        ("(lit) :effect", "lit :effect", (7, 33), "`lit` stands without parentheses"),
+        (":effect (not (lit))", ":effect (not lit)", (7, 52), "`lit` stands without parentheses"),
+        (":goal (not (lit))", ":goal (not lit)", (8, 65), "`lit` stands without parentheses"),
+        (":parameters ()", ":parameters", (4, 5), "nothing stands behind `:parameters`"),
+    ],
+)
+def test_what_is_left_out_of_parentheses_is_a_warning(
+    old: str, new: str, where: tuple[int, int], words: str
+) -> None:
+    """The simulator of the planning competitions takes a predicate alone, and files rely on it."""
+    text = LAMP.replace(old, new, 1)
+    made = converted(text)
+    assert [(d.code, place(d, text), d.message) for d in made.diagnostics] == [("W911", where, words)]
+    assert (made.domain, made.problems) == (converted(LAMP).domain, converted(LAMP).problems)
+
+
 LIDS = """\
 (define (domain lids)
   (:types box lid)

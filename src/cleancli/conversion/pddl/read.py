@@ -106,12 +106,14 @@ def _domain(name: Group, sections: list[Group], reader: Reader) -> DomainNode:
     def of(head: str) -> list[Node]:
         return [item for section in sections if section.head == head for item in section.items[1:]]
 
+    predicates = tuple(_signatures(of(":predicates"), reader))
+    reader.without_terms = frozenset(each.name.text for each in predicates if not each.parameters)
     actions = (_action(section, reader) for section in sections if section.head == ":action")
     return DomainNode(
         _named(name, reader),
         reader.typed(of(":types")),
         reader.objects(of(":constants")),
-        tuple(_signatures(of(":predicates"), reader)),
+        predicates,
         tuple(_signatures(of(":functions"), reader)),
         tuple(action for action in actions if action is not None),
         span=reader.span(name),
@@ -170,7 +172,12 @@ def _keyed(items: Sequence[Node], reader: Reader) -> dict[str, Node]:
             raise Unreadable(f"`{item.text}` stands here a second time", reader.span(item))
         if place + 1 == len(items):
             raise Unreadable(f"nothing stands behind `{item.text}`", reader.span(item))
-        parts[item.text] = items[place + 1]
+        behind = items[place + 1]
+        if isinstance(behind, Word) and behind.text in known:
+            reader.mended(f"nothing stands behind `{item.text}`", item, "taken as `()`")
+            place += 1
+            continue
+        parts[item.text] = behind
         place += 2
     return parts
 

@@ -53,11 +53,13 @@ class Unreadable(Exception):
 
 
 class Reader:
-    """Reads parts of the file at `path`, and notes what is wrong in it."""
+    """Reads parts of the file at `path`, and notes what is wrong in it. `without_terms` are the predicates of
+    the file's domain that take none, as far as it was read."""
 
     def __init__(self, path: str, findings: Findings) -> None:
         self.path = path
         self.findings = findings
+        self.without_terms = frozenset[str]()
 
     def span(self, node: Node) -> Span:
         """The place of a word; of a group its first line's beginning, as far as its first word."""
@@ -157,9 +159,7 @@ class Reader:
     def condition(self, node: Node) -> ConditionNode:
         """A condition; `()` always holds."""
         if isinstance(node, Word):
-            raise Unreadable(
-                f"expected a condition in parentheses, but there is `{node.text}`", self.span(node)
-            )
+            return self.bare(node, "a condition")
         span, head, parts = self.span(node), node.head, node.items[1:]
         if not node.items:
             return AndNode((), span=span)
@@ -201,6 +201,13 @@ class Reader:
             raise Unreadable(f"expected the name of a predicate, but there is `{name.text}`", name.span)
         terms = tuple(self.name(term, "an object or a variable") for term in group.items[1:])
         return AtomNode(name, terms, span=Span(self.path, group.start, group.end))
+
+    def bare(self, word: Word, wanted: str) -> AtomNode:
+        """A predicate that takes no terms, where `wanted` should stand in parentheses (W911)."""
+        if word.text not in self.without_terms:
+            raise Unreadable(f"expected {wanted} in parentheses, but there is `{word.text}`", self.span(word))
+        self.mended(f"`{word.text}` stands without parentheses", word, f"taken as `({word.text})`")
+        return AtomNode(name_of(word, self.path), (), span=self.span(word))
 
     def _only(self, node: Group) -> Node:
         if len(node.items) != 2:

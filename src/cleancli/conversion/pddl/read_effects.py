@@ -30,7 +30,7 @@ _NO_PREDICATES = _CONDITIONS | _ASSIGNS | _EFFECTS
 def effect_of(node: Node, reader: Reader) -> EffectNode:
     """An effect; `()` changes nothing. Raises `Unreadable`."""
     if isinstance(node, Word):
-        raise Unreadable(f"expected an effect in parentheses, but there is `{node.text}`", reader.span(node))
+        return SetNode(reader.bare(node, "an effect"), True, span=reader.span(node))
     span, head, parts = reader.span(node), node.head, node.items[1:]
     if not node.items:
         return AllNode((), span=span)
@@ -40,7 +40,9 @@ def effect_of(node: Node, reader: Reader) -> EffectNode:
         case "not":
             if len(parts) != 1:
                 raise Unreadable("`not` has one atom", span)
-            return SetNode(reader.atom(parts[0]), False, span=span)
+            (part,) = parts
+            atom = reader.bare(part, "an atom") if isinstance(part, Word) else reader.atom(part)
+            return SetNode(atom, False, span=span)
         case "when":
             if len(parts) != 2:
                 raise Unreadable("`when` has a condition and an effect", span)
