@@ -14,6 +14,7 @@ from cleancli.conversion.pddl.naming import Naming, readable
 from cleancli.conversion.pddl.problem import Start, metric_of, names_of, starts_of
 from cleancli.conversion.pddl.resolve import Words
 from cleancli.conversion.pddl.schemas import Schema, schemas_of
+from cleancli.conversion.pddl.statics import Statics
 from cleancli.conversion.pddl.syntax import DomainNode, ProblemNode
 from cleancli.language.diagnostics.diagnostic import Level, Span
 from cleancli.language.diagnostics.sink import Findings
@@ -71,7 +72,7 @@ def draft_of(
     metric = metric_of(domain, problems, findings)
     definitions = Definitions(words.symbols)
     functions = Functions(domain, problems, words, metric.earned)
-    effects = Effects(words, metric.counted, functions, metric.earned)
+    effects = Effects(words, metric.counted, functions, Statics(domain, problems), metric.earned)
     schemas = schemas_of(domain.actions, words, effects, definitions)
     _warn_of_objects(words)
     starts = starts_of(problems, words, definitions)
@@ -93,7 +94,7 @@ def draft_of(
         drafts.append(DraftProblem(problem, told, start.node.name.span))
     places = {schema.action.name: schema.place for schema in first.schemas}
     counted = {*effects.counted, *functions.names}
-    notes = _notes(domain, made, first.schemas, words, counted, effects.written_out)
+    notes = (*_notes(domain, made, first.schemas, words, counted), *effects.notes)
     notes += tuple(
         _about(each) for each in functions.used if each.parts > 1 or each.least or each.known is not None
     )
@@ -130,7 +131,6 @@ def _notes(
     schemas: Sequence[Schema],
     words: Words,
     counted: Set[str],
-    written_out: bool,
 ) -> tuple[str, ...]:
     """What the texts do not say as the files do; `counted` are the functions that they say."""
     declared = {symbol.name for symbol in domain.symbols}
@@ -145,8 +145,6 @@ def _notes(
         ("functions that count for nothing", functions),
     )
     left = [f"left out: {what}: {', '.join(names)}" for what, names in parts if names]
-    if written_out:
-        left.append("rules are written out for the objects where something is drawn or paid for each")
     return tuple(left)
 
 

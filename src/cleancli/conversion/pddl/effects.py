@@ -6,7 +6,7 @@ by itself, so there it is written out for all objects of the problem (Younes and
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from fractions import Fraction
 from itertools import product
@@ -19,12 +19,14 @@ from cleancli.conversion.pddl.formula import (
     MayBeOne,
     assuming,
     both,
+    either,
     free_variables,
     quantified,
     substituted,
 )
 from cleancli.conversion.pddl.functions import Functions
 from cleancli.conversion.pddl.resolve import Scope, Words
+from cleancli.conversion.pddl.statics import Statics
 from cleancli.conversion.pddl.syntax import (
     AllNode,
     ChanceNode,
@@ -40,6 +42,10 @@ from cleancli.language.model import NOTHING_PAID, Object, Price, Term, Variable
 
 MOST_OUTCOMES = 512
 """Outcomes that one rule may have. Chosen: more than people read, and few enough to plan with."""
+
+MOST_SHARED = 64
+"""Draws beside each other of which it is looked up which of them no state lets happen together. Chosen: each
+two are compared."""
 
 MOST_BINDINGS = 1000
 """Bindings that one `forall` may be written out for. Chosen: where chance has a part far fewer are of use."""
@@ -123,15 +129,32 @@ class TooMany(Exception):
 
 class Effects:
     """Makes trees of effects. `counted` is the numeric function that is to be small, with 1, or great, with
-    -1; other functions count nothing. `earned` tells whether it counts up to a horizon, `written_out` whether
-    a `forall` was."""
+    -1; other functions count nothing. `earned` tells whether it counts up to a horizon."""
 
-    def __init__(self, words: Words, counted: Mapping[str, int], functions: Functions, earned: bool) -> None:
+    def __init__(
+        self,
+        words: Words,
+        counted: Mapping[str, int],
+        functions: Functions,
+        statics: Statics,
+        earned: bool,
+    ) -> None:
         self._words = words
         self._functions = functions
+        self._statics = statics
         self.counted = counted
         self.earned = earned
-        self.written_out = False
+        self._written_out = self._drawn_once = False
+
+    @property
+    def notes(self) -> tuple[str, ...]:
+        """What the trees do not say as the files do."""
+        found = []
+        if self._written_out:
+            found.append("rules are written out for the objects where something is drawn or paid for each")
+        if self._drawn_once:
+            found.append("chance decides once where the problem's facts leave at most one object")
+        return tuple(found)
 
     def tree(
         self, node: EffectNode, scope: Scope, variables: tuple[Variable, ...] = (), guard: Formula = ALWAYS
@@ -151,7 +174,8 @@ class Effects:
             case EachNode():
                 return self._each(node, scope, variables, guard)
             case ChanceNode(branches):
-                return Chance(tuple((p, self.tree(part, scope)) for p, part in branches if p))
+                drawn = ((p, self.tree(part, scope, variables, guard)) for p, part in branches if p)
+                return Chance(tuple(drawn))
             case PayNode():
                 return self._pay(node, scope)
 
@@ -171,13 +195,17 @@ class Effects:
 
     def _each(self, node: EachNode, scope: Scope, variables: tuple[Variable, ...], guard: Formula) -> Tree:
         if self._is_for_each(node.effect):
-            return self._written_out(node, scope)
+            if self._pays(node.effect) or not self._statics.leave_one(node):
+                return self._each_object(node, scope, variables, guard)
+            self._drawn_once = True
         own, inner, asked = self._words.bound(node.variables, scope)
         if any(self._words.is_empty(variable.type) for variable in own):
             return NOTHING
         return self.tree(node.effect, inner, (*variables, *own), both([guard, asked]))
 
-    def _written_out(self, node: EachNode, scope: Scope) -> Tree:
+    def _each_object(
+        self, node: EachNode, scope: Scope, variables: tuple[Variable, ...], guard: Formula
+    ) -> Tree:
         """The effect once for each binding, in the order in which the objects are declared."""
         words = self._words
         found = [self._objects(each.types, node.span) for each in node.variables]
@@ -187,11 +215,11 @@ class Effects:
             )
             words.findings.error("E917", message, node.span)
             return NOTHING
-        self.written_out = True
+        self._written_out = True
         parts = []
         for chosen in product(*found):
             bound = {each.name.text: thing for each, thing in zip(node.variables, chosen, strict=True)}
-            parts.append(self.tree(node.effect, scope.inside(bound)))
+            parts.append(self.tree(node.effect, scope.inside(bound), variables, guard))
         return All(tuple(parts))
 
     def _objects(self, types: Sequence[Name], span: Span) -> tuple[Object, ...]:
@@ -226,17 +254,33 @@ class Effects:
 
     def _is_for_each(self, node: EffectNode) -> bool:
         """Whether something in an effect is drawn or paid, for each binding of a `forall` by itself then."""
+        return _has_chance(node) or self._pays(node)
+
+    def _pays(self, node: EffectNode) -> bool:
+        """Whether something in an effect is paid that counts."""
         match node:
-            case ChanceNode():
-                return True
             case PayNode():
                 return node.function.symbol.text in self.counted
             case AllNode(parts):
-                return any(map(self._is_for_each, parts))
+                return any(map(self._pays, parts))
             case WhenNode() | EachNode():
-                return self._is_for_each(node.effect)
+                return self._pays(node.effect)
+            case ChanceNode(branches):
+                return any(self._pays(part) for _, part in branches)
             case SetNode():
                 return False
+
+
+def _has_chance(node: EffectNode) -> bool:
+    match node:
+        case ChanceNode():
+            return True
+        case AllNode(parts):
+            return any(map(_has_chance, parts))
+        case WhenNode() | EachNode():
+            return _has_chance(node.effect)
+        case SetNode() | PayNode():
+            return False
 
 
 # ---- what a tree comes to
@@ -342,9 +386,13 @@ class Result:
 Results = dict[tuple[frozenset[Change], Paid], Result]
 """Results by what happens."""
 
+MayMeet = Callable[[Formula, Formula], bool]
+"""Whether two conditions may hold in one state."""
 
-def results_of(tree: Tree) -> Results:
-    """What a tree without conditions may come to, with probabilities that sum to 1. Raises `TooMany`."""
+
+def results_of(tree: Tree, may_meet: MayMeet | None = None) -> Results:
+    """What a tree without conditions but those of its changes may come to, with probabilities that sum to 1.
+    `may_meet` tells whether two conditions may hold in one state; None: any two. Raises `TooMany`."""
     match tree:
         case Change():
             return _merged([Result(Fraction(1), (tree,))])
@@ -353,12 +401,11 @@ def results_of(tree: Tree) -> Results:
             if len(sure) == len(parts):  # as in most actions: nothing is left to chance
                 return _merged([Result(Fraction(1), sure)])
             found = _merged([Result(Fraction(1))])
-            for part in parts:
-                inner = results_of(part)
+            for inner in _drawn_apart(parts, may_meet):
                 if len(found) * len(inner) > 64 * MOST_OUTCOMES:
                     raise TooMany
                 found = _merged(
-                    Result(one.chance * other.chance, (*one.changes, *other.changes), one.paid + other.paid)
+                    _beside(one, other, one.chance * other.chance)
                     for one in found.values()
                     for other in inner.values()
                 )
@@ -370,13 +417,70 @@ def results_of(tree: Tree) -> Results:
             likely = [
                 replace(each, chance=p * each.chance)
                 for p, part in branches
-                for each in results_of(part).values()
+                for each in results_of(part, may_meet).values()
             ]
             return _merged([*likely, *([Result(rest)] if rest else [])])
         case Pay(paid):
             return _merged([Result(Fraction(1), (), paid)])
         case Branch():
             raise AssertionError("conditions are decided before")
+
+
+def _beside(one: Result, other: Result, chance: Fraction) -> Result:
+    """Both results, which happen together with some probability."""
+    return Result(chance, (*one.changes, *other.changes), one.paid + other.paid)
+
+
+def _drawn_apart(parts: Sequence[Tree], may_meet: MayMeet | None) -> Iterator[Results]:
+    """The results of parts that are drawn independently of each other. Parts of which no state lets two
+    happen share one draw: of one that happens alone it makes no difference what the others would do."""
+    if may_meet is None or len(parts) > MOST_SHARED:
+        yield from (results_of(part, may_meet) for part in parts)
+        return
+    groups: list[list[tuple[Formula, Results]]] = []
+    for part in parts:
+        asked, results = _asked(part), results_of(part, may_meet)
+        for group in groups if len(results) > 1 and asked != ALWAYS else ():
+            if not any(len(found) == 1 or may_meet(asked, other) for other, found in group):
+                group.append((asked, results))
+                break
+        else:
+            groups.append([(asked, results)])
+    for group in groups:
+        yield _sharing([results for _, results in group])
+
+
+def _asked(tree: Tree) -> Formula:
+    """Where a tree changes or pays anything, whatever chance decides."""
+    match tree:
+        case Change(variables, guard):
+            return quantified(True, variables, guard)
+        case All(parts):
+            return either(map(_asked, parts))
+        case Branch(condition, part):
+            return both([condition, _asked(part)])
+        case Chance(branches):
+            return either(_asked(part) for _, part in branches)
+        case Pay(paid, parts):
+            return ALWAYS if paid != Paid() or parts else NEVER
+
+
+def _sharing(several: Sequence[Results]) -> Results:
+    """Results of several draws that one number between 0 and 1 decides: each has its own probabilities. The
+    likeliest results come first in each, so that most of them end where those of others do."""
+    if len(several) == 1:
+        return several[0]
+    waiting = [sorted(results.values(), key=lambda each: -each.chance) for results in several]
+    found = []
+    while waiting[0]:
+        chance = min(results[0].chance for results in waiting)
+        together = Result(chance)
+        for results in waiting:
+            together = _beside(together, results[0], chance)
+            left = results[0].chance - chance
+            results[:1] = [replace(results[0], chance=left)] if left else []
+        found.append(together)
+    return _merged(found)
 
 
 def _merged(results: Iterable[Result]) -> Results:

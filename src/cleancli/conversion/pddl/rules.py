@@ -10,7 +10,7 @@ from __future__ import annotations
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from fractions import Fraction
-from itertools import islice
+from itertools import islice, product
 
 from cleancli.conversion.pddl.define import Definitions, says
 from cleancli.conversion.pddl.effects import (
@@ -114,7 +114,17 @@ def _either_way(
 def _undivided(tree: Tree, known: tuple[Formula, ...], types: Types) -> Case:
     """The case that all conditions of the effect stay in; none of them decides of costs."""
     tree = decided(guarded(tree), known)
-    return Case((), _all_settled(results_of(tree).values(), known, types), both(known_for(tree)))
+
+    def may_meet(one: Formula, other: Formula) -> bool:
+        pairs = product(_alternatives(one), _alternatives(other))
+        return not all(_excluded(both(pair), known, types) for pair in pairs)
+
+    results = results_of(tree, may_meet)
+    return Case((), _all_settled(results.values(), known, types), both(known_for(tree)))
+
+
+def _alternatives(formula: Formula) -> tuple[Formula, ...]:
+    return formula.parts if isinstance(formula, Either) else (formula,)
 
 
 def _parts(formula: Formula) -> tuple[Formula, ...]:

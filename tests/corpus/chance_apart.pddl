@@ -1,0 +1,20 @@
+; Chance under conditions of which one holds at a time: more of them than rules.
+(define (domain corpus)
+  (:requirements :adl :probabilistic-effects)
+  (:types area container - place)
+  (:constants bin - container)
+  (:predicates (dirt ?a - area) (wet ?p - place) (near ?a ?b - area) (in ?a - area ?c - container)
+               (open ?c - container) (ready) (done))
+  (:action act
+    :parameters (?a - area)
+    :effect (and (when (and (dirt ?a) (ready)) (probabilistic 0.5 (not (dirt ?a))))
+                 (when (and (dirt ?a) (not (ready)) (wet ?a)) (probabilistic 0.2 (ready) 0.3 (done)))
+                 (when (and (dirt ?a) (not (ready)) (not (wet ?a))) (probabilistic 0.9 (wet ?a) 0.1 (done)))
+                 (when (and (not (dirt ?a)) (wet ?a)) (probabilistic 0.4 (and (dirt ?a) (not (wet ?a)))))
+                 (when (and (not (dirt ?a)) (not (wet ?a))) (probabilistic 0.8 (not (ready)) 0.1 (wet ?a))))))
+
+(define (problem start)
+  (:domain corpus)
+  (:objects a1 a2 - area box - container)
+  (:init (dirt a1) (near a1 a2) (ready) (open bin))
+  (:goal (done)))
