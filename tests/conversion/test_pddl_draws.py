@@ -46,6 +46,29 @@ def test_draws_under_conditions_that_exclude_each_other_are_one() -> None:
     assert disagreements(text, made) == []
 
 
+def by_colour(facts: str) -> str:
+    """A domain with a draw of its own for each colour that a lamp may show."""
+    colours = ("red", "green", "blue", "white", "black", "grey", "pink", "gold", "teal", "navy")
+    draws = "\n".join(
+        f"(when (shows ?l {colour}) (probabilistic {place + 1}/20 (broken ?l)))"
+        for place, colour in enumerate(colours)
+    )
+    text = LIGHTS.format(draws=draws).replace("black grey", "black grey pink gold teal navy")
+    return text.replace("(shows a red)", facts)
+
+
+def test_draws_under_facts_of_which_one_holds_are_one() -> None:
+    text = by_colour("(shows a teal)")
+    made = converted(text)
+    assert "chance decides once where the problem's facts leave at most one object" in made.notes
+    assert disagreements(text, made) == []
+
+
+def test_draws_under_facts_of_which_two_hold_stay_apart() -> None:
+    with pytest.raises(Refused, match="`touch` has more than 512 outcomes"):
+        converted(by_colour("(shows a teal) (shows a navy)"))
+
+
 def test_draws_of_which_two_may_count_stay_apart() -> None:
     """Of four lamps each breaks by itself: all of them with a probability of 1/16."""
     lamps = [f"l{n}" for n in range(4)]

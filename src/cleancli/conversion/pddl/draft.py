@@ -144,8 +144,7 @@ def _notes(
         ("actions that change nothing", idle),
         ("functions that count for nothing", functions),
     )
-    left = [f"left out: {what}: {', '.join(names)}" for what, names in parts if names]
-    return tuple(left)
+    return tuple(f"left out: {what}: {', '.join(names)}" for what, names in parts if names)
 
 
 def _about(function: Function) -> str:

@@ -38,7 +38,7 @@ from cleancli.conversion.pddl.syntax import (
     WhenNode,
 )
 from cleancli.language.diagnostics.diagnostic import Span
-from cleancli.language.model import NOTHING_PAID, Object, Price, Term, Variable
+from cleancli.language.model import NOTHING_PAID, Literal, Object, Price, Term, Variable
 
 MOST_OUTCOMES = 512
 """Outcomes that one rule may have. Chosen: more than people read, and few enough to plan with."""
@@ -155,6 +155,19 @@ class Effects:
         if self._drawn_once:
             found.append("chance decides once where the problem's facts leave at most one object")
         return tuple(found)
+
+    def never_both(self, one: Literal, other: Literal) -> bool:
+        """Whether static facts let two literals that are true hold together in no state of all problems."""
+        if one.symbol != other.symbol or {*one.values, *other.values} != {True}:
+            return False
+        pairs = list(zip(one.terms, other.terms, strict=True))
+        places = tuple(place for place, (left, right) in enumerate(pairs) if left != right)
+        if not any(isinstance(pairs[p][0], Object) and isinstance(pairs[p][1], Object) for p in places):
+            return False
+        name = next(name for name, each in self._words.predicates.items() if each.name == one.symbol)
+        found = self._statics.never_differ(name, places)
+        self._drawn_once = self._drawn_once or found
+        return found
 
     def tree(
         self, node: EffectNode, scope: Scope, variables: tuple[Variable, ...] = (), guard: Formula = ALWAYS

@@ -7,7 +7,7 @@ added, and where that depends on which objects are one, there is a rule for eith
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from fractions import Fraction
 from itertools import islice, product
@@ -47,6 +47,7 @@ from cleancli.language.model import (
     Condition,
     Equality,
     ForAll,
+    Literal,
     Object,
     Outcome,
     OutcomeKind,
@@ -73,7 +74,11 @@ class Case:
     asked: Formula = ALWAYS
 
 
-def cases_of(precondition: Formula, tree: Tree, types: Types) -> list[Case]:
+NeverBoth = Callable[[Literal, Literal], bool]
+"""Whether two literals hold together in no state, beside what their form says of that."""
+
+
+def cases_of(precondition: Formula, tree: Tree, types: Types, never_both: NeverBoth) -> list[Case]:
     """All cases that the precondition does not rule out; where they would be too many those alone that costs
     depend on. Raises `TooMany`, and `UnevenCost` where these are too many."""
     if precondition == NEVER:
@@ -82,23 +87,27 @@ def cases_of(precondition: Formula, tree: Tree, types: Types) -> list[Case]:
     found = list(islice(_cases(tree, known, (), types), MOST_RULES + 1))
     if len(found) <= MOST_RULES:
         return found
-    found = list(islice(_by_costs(tree, known, (), types), MOST_COSTS + 1))
+    found = list(islice(_by_costs(tree, known, (), types, never_both), MOST_COSTS + 1))
     if len(found) > MOST_COSTS:
         raise UnevenCost
     return found
 
 
 def _by_costs(
-    tree: Tree, known: tuple[Formula, ...], decisions: tuple[tuple[Formula, bool], ...], types: Types
+    tree: Tree,
+    known: tuple[Formula, ...],
+    decisions: tuple[tuple[Formula, bool], ...],
+    types: Types,
+    never_both: NeverBoth,
 ) -> Iterator[Case]:
     """The cases that costs depend on; all other conditions of the effect stay in it."""
     tree = decided(tree, known)
     condition = first_condition(tree, paying=True)
     if condition is None:
-        yield replace(_undivided(tree, known, types), decisions=decisions)
+        yield replace(_undivided(tree, known, types, never_both), decisions=decisions)
         return
     for holds, inner in _either_way(tree, known, condition, types):
-        yield from _by_costs(*inner, (*decisions, (condition, holds)), types)
+        yield from _by_costs(*inner, (*decisions, (condition, holds)), types, never_both)
 
 
 def _either_way(
@@ -111,13 +120,13 @@ def _either_way(
             yield holds, _with_one_name(tree, (*known, *_parts(asked)), types)
 
 
-def _undivided(tree: Tree, known: tuple[Formula, ...], types: Types) -> Case:
+def _undivided(tree: Tree, known: tuple[Formula, ...], types: Types, never_both: NeverBoth) -> Case:
     """The case that all conditions of the effect stay in; none of them decides of costs."""
     tree = decided(guarded(tree), known)
 
     def may_meet(one: Formula, other: Formula) -> bool:
         pairs = product(_alternatives(one), _alternatives(other))
-        return not all(_excluded(both(pair), known, types) for pair in pairs)
+        return not all(_is_excluded(pair, known, types, never_both) for pair in pairs)
 
     results = results_of(tree, may_meet)
     return Case((), _all_settled(results.values(), known, types), both(known_for(tree)))
@@ -125,6 +134,16 @@ def _undivided(tree: Tree, known: tuple[Formula, ...], types: Types) -> Case:
 
 def _alternatives(formula: Formula) -> tuple[Formula, ...]:
     return formula.parts if isinstance(formula, Either) else (formula,)
+
+
+def _is_excluded(
+    pair: tuple[Formula, Formula], known: tuple[Formula, ...], types: Types, never_both: NeverBoth
+) -> bool:
+    """Whether no state lets both of two formulas hold."""
+    if _excluded(both(pair), known, types):
+        return True
+    ones, others = ([part for part in _parts(each) if isinstance(part, Literal)] for each in pair)
+    return any(never_both(one, other) for one in ones for other in others)
 
 
 def _parts(formula: Formula) -> tuple[Formula, ...]:

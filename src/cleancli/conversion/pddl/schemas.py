@@ -80,7 +80,7 @@ def _schema(node: ActionNode, words: Words, effects: Effects, definitions: Defin
     if findings.errors > before:
         return None
     try:
-        cases = cases_of(precondition, tree, words.types)
+        cases = cases_of(precondition, tree, words.types, effects.never_both)
     except TooMany:
         message = f"`{node.name.text}` has more than {MOST_OUTCOMES} outcomes"
         findings.error("E917", message, node.name.span, help=_FEWER_OUTCOMES)

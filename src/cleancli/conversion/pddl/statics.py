@@ -36,7 +36,7 @@ class Statics:
     def leave_one(self, node: EachNode) -> bool:
         """Whether a `forall` is about at most one binding of its variables in each state of all problems,
         whatever the variables around it stand for."""
-        if not isinstance(node.effect, WhenNode) or not self._problems:
+        if not isinstance(node.effect, WhenNode):
             return False
         atoms = list(_atoms(node.effect.condition))
         waiting = {each.name.text for each in node.variables}
@@ -50,20 +50,28 @@ class Statics:
     def _determined(self, atom: AtomNode, waiting: set[str]) -> set[str]:
         """Those of some variables that an atom leaves one object for where its other terms are known."""
         places = tuple(place for place, term in enumerate(atom.terms) if term.text in waiting)
-        key = atom.symbol.text, places
-        if places and key not in self._found:
-            self._found[key] = self._is_function(*key)
-        return {atom.terms[place].text for place in places} if places and self._found[key] else set()
+        if not places or not self.never_differ(atom.symbol.text, places):
+            return set()
+        return {atom.terms[place].text for place in places}
+
+    def never_differ(self, name: str, places: tuple[int, ...]) -> bool:
+        """Whether no two facts of a predicate, in any state of a problem, differ at some places alone. No for
+        one without facts, of which nothing is known."""
+        key = name, places
+        if key not in self._found:
+            self._found[key] = bool(self._problems) and self._is_function(name, places)
+        return self._found[key]
 
     def _is_function(self, name: str, places: Sequence[int]) -> bool:
-        """Whether no two facts of a static predicate differ at some places alone."""
         if self._changing is None:
             drawn = (part for each in self._problems for part in each.init if not isinstance(part, FactsNode))
             effects = (action.effect for action in self._actions)
             self._changing = frozenset().union(*map(_set_by, effects), *map(_set_by, drawn))
-        return name not in self._changing and all(
-            len({_without(fact, places) for fact in facts}) == len(facts)
-            for facts in (_facts(problem, name) for problem in self._problems)
+        if name in self._changing:
+            return False
+        several = [_facts(problem, name) for problem in self._problems]
+        return any(several) and all(
+            len({_without(fact, places) for fact in facts}) == len(facts) for facts in several
         )
 
 
