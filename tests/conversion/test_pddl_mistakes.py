@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from fractions import Fraction
 from random import Random
 
 import pytest
@@ -229,6 +230,35 @@ def test_what_is_plainly_meant_is_a_warning(name: str) -> None:
     found = [(place(d, text), d.message) for d in made.diagnostics if d.code == "W911"]
     assert any(each[0] == where and words in each[1] for each in found), found
     assert all(d.code in ("W911", "W402") and d.label for d in made.diagnostics if d.code == "W911")
+
+
+@pytest.mark.parametrize(
+    ("written", "is_mended"),
+    [
+        ("0.95 (in ?a bin) 0.050000000000000044", True),
+        ("0.9 (in ?a bin) 0.09999999999999998", True),
+        ("0.3333333333333333 (in ?a bin) 0.6666666666666666", True),
+        ("1/3 (in ?a bin) 2/3", False),
+    ],
+)
+def test_probabilities_that_miss_one_by_rounding_sum_to_one(written: str, is_mended: bool) -> None:
+    text = TEXT.replace("0.8 (in ?a bin)", f"{written} (dirt ?a)", 1)
+    made = converted(text)
+    found = [(d.code, place(d, text)) for d in made.diagnostics]
+    assert found == ([("W911", (9, 18))] if is_mended else [])
+    first, second = (Fraction(part) for part in written.split(" (in ?a bin) "))
+    domain = load_domain(Source("tidy.nid", made.domain))
+    chances = [outcome.probability for rule in domain.rules for outcome in rule.outcomes]
+    assert sum(chances) == len(domain.rules)
+    assert len(chances) == 2 * len(domain.rules)
+    assert max(chances) == pytest.approx(float(max(first, second)), abs=1e-15)
+
+
+def test_probabilities_that_miss_one_by_more_are_as_they_are() -> None:
+    """A third to six digits leaves a millionth, in which nothing changes."""
+    made = converted(TEXT.replace("0.8 (in ?a bin)", "0.333333 (in ?a bin) 0.666666 (dirt ?a)", 1))
+    assert made.diagnostics == ()
+    assert "0.000001" in made.domain or "rest" in made.domain
 
 
 LAMP = """\

@@ -22,6 +22,9 @@ from cleancli.conversion.pddl.words import Group, Node, Word
 from cleancli.language.printing.printer import print_fraction
 
 _CONDITIONS = frozenset({"or", "imply", "exists", "=", "<", "<=", ">", ">="})
+ROUNDING_ERROR = Fraction(1, 10**12)
+"""By how much probabilities that programs wrote may miss 1. Chosen: more than sums of doubles miss it by."""
+
 _ASSIGNS = frozenset({"assign", "scale-up", "scale-down"})
 _EFFECTS = frozenset({"and", "not", "when", "forall", "probabilistic", "increase", "decrease"})
 _NO_PREDICATES = _CONDITIONS | _ASSIGNS | _EFFECTS
@@ -79,12 +82,26 @@ def _chance(node: Group, reader: Reader) -> ChanceNode:
             reader.note(Unreadable(message, reader.span(parts[place]), "it lies between 0 and 1", "E918"))
             chance = min(max(chance, Fraction(0)), Fraction(1))
         branches.append((chance, effect_of(parts[place + 1], reader)))
+    _sum_to_one(branches, node, reader)
     total = sum((chance for chance, _ in branches), Fraction(0))
     if total > 1:
         message = f"the probabilities sum to {print_fraction(total)}"
         reader.note(Unreadable(message, reader.span(node), "they sum to at most 1", "E918"))
         branches = [(chance / total, effect) for chance, effect in branches]
     return ChanceNode(tuple(branches), span=reader.span(node))
+
+
+def _sum_to_one(branches: list[tuple[Fraction, EffectNode]], node: Group, reader: Reader) -> None:
+    """Takes probabilities that miss 1 by a rounding error, like 0.9 and 0.09999999999999998, to sum to 1: the
+    one of most digits is what the others leave (W911)."""
+    total = sum((chance for chance, _ in branches), Fraction(0))
+    if total == 1 or abs(total - 1) > ROUNDING_ERROR:
+        return
+    place = max(range(len(branches)), key=lambda each: branches[each][0].denominator)
+    chance, effect = branches[place]
+    if chance >= total - 1:
+        reader.mended(f"the probabilities sum to {print_fraction(total)}", node, "taken to sum to 1")
+        branches[place] = chance - (total - 1), effect
 
 
 def _pay(node: Group, reader: Reader) -> PayNode:
