@@ -34,6 +34,7 @@ from dataclasses import dataclass
 from pathlib import Path
 
 import fuzz_inputs as inputs
+from memory_limit import limit_memory
 
 from cleancli.cli.command_table import COMMANDS
 from cleancli.cli.exit_codes import ExitCode
@@ -45,7 +46,6 @@ from cleancli.recording import run_folder
 
 COUNTS = {"texts": 20_000, "folders": 5_000, "looks": 2_000}
 SECONDS = 10
-MEMORY = 1 << 30
 NEARLY = 3
 """Mistakes of a text that nearly passes the check."""
 
@@ -291,10 +291,9 @@ def _said(words: tuple[str, ...]) -> tuple[int, str, str]:
 
 def _limit() -> None:
     """A process that computes for far too long, or asks for far too much memory, ends."""
-    held = int(Path("/proc/self/statm").read_text().split()[0]) * resource.getpagesize()
     most = int(6 * SECONDS) + 1  # of all commands
     resource.setrlimit(resource.RLIMIT_CPU, (most, most))
-    resource.setrlimit(resource.RLIMIT_AS, (held + MEMORY, held + MEMORY))
+    limit_memory()
 
 
 def _content(folder: Path) -> dict[str, str]:

@@ -3,8 +3,9 @@
 The kitchen of the tests and the cleaning rules of benchmarks/libprada are changed: words and lines are lost,
 doubled and exchanged, numbers and signs put in, and so are a reward and experience beside them. All files are
 converted, and what can be converted is grounded and written for libPRADA again. A failure is an exception
-other than Refused, a mistake without a place, or files that take longer than 5 s of CPU; the exit code is 1
-then, and the seed is printed. 20,000 take about eleven minutes on one core.
+other than Refused, a mistake without a place, or files that take longer than 5 s of CPU or ask for more than
+1 GB of memory; they are kept (`--keep FOLDER`), and the exit code is 1. 20,000 take about eleven minutes on
+one core.
 """
 
 from __future__ import annotations
@@ -12,11 +13,14 @@ from __future__ import annotations
 import argparse
 import re
 import sys
+import tempfile
 import time
 import traceback
 from collections import Counter
 from pathlib import Path
 from random import Random
+
+from memory_limit import greatest_memory, limit_memory
 
 from cleancli.compiler.ground import ground
 from cleancli.conversion.convert import Wishes, convert
@@ -128,30 +132,44 @@ def _assert_placed(refused: Refused, texts: Texts) -> None:
     render(refused.diagnostics, refused.sources)
 
 
+def attempt(texts: Texts) -> tuple[str, str, float]:
+    """The outcome of some files, what is wrong with it ("" for nothing), and CPU seconds."""
+    started = time.process_time()
+    try:
+        outcome, wrong = used(texts), ""
+    except Exception:
+        outcome, wrong = "failure", traceback.format_exc()
+    took = time.process_time() - started
+    return (outcome, wrong, took) if wrong or took <= LIMIT else ("slow", f"took {took:.1f} s", took)
+
+
 def main() -> int:
     """Try them all; the exit code."""
     parser = argparse.ArgumentParser(
         description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter
     )
     parser.add_argument("files", type=int, nargs="?", default=20_000, help="how many times all files")
+    parser.add_argument("--keep", type=Path, help="a folder for failures; a new one if none is named")
     parser.add_argument("--seed", type=int, default=0, help="of the first; each has its own")
     options = parser.parse_args()
     texts, counts, slowest, failures = corpus(), Counter[str](), 0.0, 0
+    limit_memory()
     for seed in range(options.seed, options.seed + options.files):
-        started = time.process_time()
-        try:
-            outcome = used(mutated(texts, Random(seed)))
-        except Exception:
-            outcome = "failure"
-            print(f"seed {seed}: {traceback.format_exc().strip()}", flush=True)
-        took = time.process_time() - started
-        slowest = max(slowest, took)
-        if took > LIMIT:
-            print(f"seed {seed}: took {took:.1f} s", flush=True)
-        failures += outcome == "failure" or took > LIMIT
+        found = mutated(texts, Random(seed))
+        outcome, wrong, took = attempt(found)
         counts[outcome] += 1
+        slowest = max(slowest, took)
+        if wrong:
+            failures += 1
+            options.keep = options.keep or Path(tempfile.mkdtemp(prefix="fuzz-libprada-"))
+            folder = options.keep / f"{seed}"
+            folder.mkdir(parents=True, exist_ok=True)
+            for name, text in found.items():
+                (folder / name).write_text(text, encoding="utf-8")
+            print(f"seed {seed}: {wrong.strip().splitlines()[-1]} (kept in {folder})", flush=True)
     told = ", ".join(f"{count} {outcome}" for outcome, count in sorted(counts.items()))
-    print(f"{failures} failures in {options.files} files; the slowest took {slowest:.2f} s\n{told}")
+    print(f"{failures} failures in {options.files} files; the slowest took {slowest:.2f} s")
+    print(f"{told}; the process held at most {greatest_memory() >> 20} MB")
     return 1 if failures else 0
 
 

@@ -3,8 +3,9 @@
 The files of tests/corpus, and drawn ones in which their constructs meet, are changed: words and groups are
 lost, doubled, moved and exchanged with those of other files, numbers and signs put in. Each is converted to
 texts, read as commands read it, and grounded. A failure is an exception other than Refused, a mistake without
-a place in the file, a mistake in a text that was written, or a file that takes longer than 5 s of CPU; it is
-kept (`--keep FOLDER`), and the exit code is 1. 50,000 files take about ten minutes on one core.
+a place in the file, a mistake in a text that was written, or a file that takes longer than 5 s of CPU or asks
+for more than 1 GB of memory; it is kept (`--keep FOLDER`), and the exit code is 1. 50,000 take about ten
+minutes on one core.
 """
 
 from __future__ import annotations
@@ -18,6 +19,8 @@ import traceback
 from collections import Counter
 from pathlib import Path
 from random import Random
+
+from memory_limit import greatest_memory, limit_memory
 
 from cleancli.compiler.ground import ground
 from cleancli.conversion.pddl.convert import Wishes, convert
@@ -172,6 +175,7 @@ def main() -> int:
     parser.add_argument("--seed", type=int, default=0, help="of the first file; each has its own")
     options = parser.parse_args()
     texts, counts, slowest, failures = corpus(), Counter[str](), 0.0, 0
+    limit_memory()
     for seed in range(options.seed, options.seed + options.files):
         text = mutated(texts, Random(seed))
         outcome, wrong, took = attempt(text)
@@ -187,7 +191,8 @@ def main() -> int:
         if (seed + 1 - options.seed) % 5000 == 0:
             print(f"{seed + 1 - options.seed} files", flush=True)
     told = ", ".join(f"{count} {outcome}" for outcome, count in sorted(counts.items()))
-    print(f"{failures} failures in {options.files} files; the slowest took {slowest:.2f} s\n{told}")
+    print(f"{failures} failures in {options.files} files; the slowest took {slowest:.2f} s")
+    print(f"{told}; the process held at most {greatest_memory() >> 20} MB")
     return 1 if failures else 0
 
 
