@@ -344,6 +344,31 @@ def test_a_closure_that_changes_is_no_fact() -> None:
     assert any("the goal" in note for note in made.notes)
 
 
+def test_a_closure_of_no_object_is_written_out() -> None:
+    """docs/from-pddl.md: a closure is written out for few objects, and none are few."""
+    text = """
+    domain tow {
+      types { block lamp }
+      predicates { on(?a ?b - block)  lit(?l - lamp) }
+      derived { above(?a ?b - block) := closure on }
+      actions { drop(?a ?b - block)  light(?l - lamp) }
+      rule drop_it: drop(?a, ?b) { when on(?a, ?b)  then 1: not on(?a, ?b) }
+      rule light_it: light(?l) {
+        when not lit(?l), not exists ?a ?b - block: above(?a, ?b)
+        then 1: lit(?l)
+      }
+      reward { goal }
+    }
+    """
+    problem = "problem p { domain = tow objects { l - lamp } goal { lit(l) } horizon = 2 }"
+    for target in ("ppddl", "libprada"):
+        made = cleancli.convert(text, problem, to=target)
+        assert not any("above" in each for each in made.texts.values())
+    with pytest.raises(Refused, match="`p` has no object of the type `block`") as refused:
+        cleancli.convert(text, problem, to="rddl")
+    assert "above" not in str(refused.value)
+
+
 def test_a_closure_that_only_a_count_asks_for_is_declared() -> None:
     text = """
     domain roads {

@@ -71,6 +71,7 @@ class Formulas:
         self.written_out = False
         self.closures: dict[str, DerivedPredicate] = {}
         self._derived = {each.name: each for each in domain.derived}
+        self._is_counted = bool(counts)
         self._most = {
             kind.name: max((each[kind.name] for each in counts), default=0) for kind in domain.types
         }
@@ -181,9 +182,9 @@ class Formulas:
     def _derivation(self, derived: DerivedPredicate, terms: tuple[Term, ...]) -> Formula:
         if derived.closure is not None:
             steps = self._most[derived.parameters[0].type]
-            if 0 < steps <= MOST_STEPS and not self.has_facts(derived):
+            if self._is_counted and steps <= MOST_STEPS and not self.has_facts(derived):
                 self.written_out = True
-                return self._path(derived, terms, steps)
+                return self._path(derived, terms, max(steps, 1))  # of no object any formula says the same
             self.closures[derived.name] = derived
             return literal(self.predicates.of(derived.name), terms)
         if derived.name not in self._said:
