@@ -33,7 +33,7 @@ def refused_as(name: str) -> Iterator[None]:
     except FileNotFoundError:
         raise Refused([Diagnostic("E001", f"no file `{name}`", None)]) from None
     except IsADirectoryError:
-        raise Refused([Diagnostic("E002", f"`{name}` is a folder", None, help="name a .nid file")]) from None
+        raise Refused([Diagnostic("E002", f"`{name}` is a folder", None, help="name a file in it")]) from None
     except TooLarge:
         raise Refused([too_large(name)]) from None
     except (OSError, ValueError) as error:
