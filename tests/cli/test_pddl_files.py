@@ -220,6 +220,19 @@ def test_goals_that_are_never_reached_are_told(capsys: pytest.CaptureFixture[str
     assert "tidy_two.pddl:6:4: warning[W403]" in capsys.readouterr().err
 
 
+@pytest.mark.parametrize("mark", ["\ufeff", "\ufeff; a comment\r\n", "; a comment\r"])
+def test_files_may_begin_with_a_byte_order_mark(mark: str, capsys: pytest.CaptureFixture[str]) -> None:
+    """As .nid files may: editors of Windows write one. Lines may end as they do there, or as on old Macs."""
+    for name in FILES:
+        Path(name).write_text(mark + Path(name).read_text(encoding="utf-8"), encoding="utf-8", newline="")
+    for line in ("check {0} {1}", "plan {0} {1}", "convert {0} {1} --out out"):
+        assert run(line.format(*FILES).split()) == 0, capsys.readouterr().err
+    changed("tidy_two.pddl", "(dirt a2)", "(dirt a5)")
+    assert run(["check", *FILES]) == 1
+    where = 5 if "comment" in mark else 4
+    assert f"tidy_two.pddl:{where}:26: error[E916]" in capsys.readouterr().out
+
+
 @pytest.mark.parametrize("command", ["plan", "simulate"])
 def test_what_a_planner_refuses_is_told_as_for_converted_files(
     command: str, capsys: pytest.CaptureFixture[str]

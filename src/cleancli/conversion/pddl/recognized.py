@@ -10,7 +10,7 @@ from cleancli.language.diagnostics.diagnostic import Source
 SUFFIXES = (".pddl", ".ppddl")
 """What the names of PPDDL files end with."""
 
-_BEGINNING = re.compile(r"(\s|;[^\n]*\n)*\(")
+_BEGINNING = re.compile(r"\ufeff?(\s|;[^\r\n]*[\r\n])*\(")
 
 
 def is_pddl(source: Source) -> bool:

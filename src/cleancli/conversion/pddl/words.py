@@ -19,7 +19,9 @@ from cleancli.language.diagnostics.sink import Findings
 DEEPEST = 80
 """How deep groups may stand in one another. Chosen: far more than people write, and few enough to recurse."""
 
-_COMMENT = re.compile(r";[^\n]*")
+_COMMENT = re.compile(r";[^\r\n]*")
+_PLAIN = str.maketrans(string.ascii_uppercase + "\ufeff", string.ascii_lowercase + " ")
+"""Letter case says nothing in PDDL, and a byte order mark is a blank; letters beyond ASCII stay."""
 _NAME = "[a-z][a-z0-9_-]*+"
 _ATOM = rf"\(\s*+{_NAME}(?:\s++{_NAME})*+\s*+\)"
 _PIECE = re.compile(rf"\(\s*+:init\s(?:\s*+{_ATOM})*+\s*+\)|\([^()]*\)|[()]|[^\s()]+")
@@ -101,9 +103,8 @@ def groups_of(text: str, path: str, findings: Findings) -> tuple[Group, ...]:
     stack = [_Open(found, 0)]
     surplus: list[int] = []
     last = 0
-    # Letter case says nothing in PDDL; letters beyond ASCII stay, and comments become blanks: no place moves.
-    lower = text.translate(str.maketrans(string.ascii_uppercase, string.ascii_lowercase))
-    lower = _COMMENT.sub(lambda match: " " * len(match[0]), lower)
+    # Comments become blanks, so that no place moves.
+    lower = _COMMENT.sub(lambda match: " " * len(match[0]), text.translate(_PLAIN))
     for match in _PIECE.finditer(lower):
         piece, start = match[0], match.start()
         if piece[0] == "(":
