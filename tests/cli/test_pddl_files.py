@@ -6,6 +6,7 @@ import json
 import shutil
 import subprocess
 import sys
+from itertools import pairwise
 from pathlib import Path
 
 import pytest
@@ -218,6 +219,48 @@ def test_goals_that_are_never_reached_are_told(capsys: pytest.CaptureFixture[str
     )
     assert run(["plan", *FILES]) == 0
     assert "tidy_two.pddl:6:4: warning[W403]" in capsys.readouterr().err
+
+
+EASY = """(define (problem easy) (:domain tidy) (:objects a1 - area) (:init (dirt a1)) (:goal (dirt a1))
+(:metric minimize (total-cost))) """
+
+
+@pytest.mark.parametrize("beside", ["", EASY])
+def test_a_check_tells_of_goals_that_are_never_reached(
+    beside: str, capsys: pytest.CaptureFixture[str]
+) -> None:
+    """docs/diagnostics.md, W403: at the goal that it is about, whichever problem of the file that is of."""
+    changed("tidy_two.pddl", "(define", f"{beside}(define")
+    changed("tidy_two.pddl", "(:goal (forall (?a - area) (not (dirt ?a))))", "(:goal (colour a2))")
+    assert run(["check", *FILES]) == 0
+    line = 6 if beside else 5
+    assert f"tidy_two.pddl:{line}:4: warning[W403]: the goal of `two`" in capsys.readouterr().out
+
+
+FERRY = """(define (domain ferry)
+  (:predicates (at ?p) (next ?p ?q))
+  (:action go :parameters (?p ?q) :precondition (and (at ?p) (next ?p ?q))
+   :effect (and (not (at ?p)) (at ?q) (increase (reward) 1))))
+"""
+
+
+def test_a_check_tells_of_guessed_horizons_that_are_too_short(capsys: pytest.CaptureFixture[str]) -> None:
+    """docs/diagnostics.md, W404: PPDDL can state no other."""
+    places = [f"p{number}" for number in range(43)]
+    steps = " ".join(f"(next {one} {other})" for one, other in pairwise(places))
+    Path("ferry.pddl").write_text(
+        f"{FERRY}(define (problem far) (:domain ferry)\n (:objects {' '.join(places)})"
+        f" (:init (at p0) {steps})"
+        "\n (:goal (at p42)) (:goal-reward 100) (:metric maximize (reward)))",
+        encoding="utf-8",
+    )
+    assert run(["check", "ferry.pddl"]) == 0
+    out = capsys.readouterr().out
+    assert "ferry.pddl:7:3: warning[W404]: the goal of `far` takes at least 42 actions" in out
+    assert "so this is a guess: `cleancli convert --horizon 84` states another" in out
+    assert run(["convert", "ferry.pddl", "--horizon", "84", "--out", "out"]) == 0
+    assert run(["check", "out"]) == 0
+    assert "W404" not in capsys.readouterr().out
 
 
 @pytest.mark.parametrize("mark", ["\ufeff", "\ufeff; a comment\r\n", "; a comment\r"])

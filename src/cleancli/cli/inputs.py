@@ -25,10 +25,14 @@ from cleancli.language.load import (
 )
 
 if TYPE_CHECKING:
+    from cleancli.language.model import Domain, Problem
     from cleancli.scene.model import Scene
 
 CHECKED = (".nid", *SUFFIXES)
 """What the names of files that can be checked end with."""
+
+_MOST_GROUNDINGS = 100_000
+"""Groundings of a problem in PDDL up to which a check grounds it. Chosen: a second."""
 
 
 def open_loaded(domain: str, *, compat: bool = False) -> LoadedDomain:
@@ -155,7 +159,7 @@ def _domain_of(source: Source, path: Path) -> Source:
 def _check_pddl(source: Source, others: Iterable[str]) -> tuple[tuple[Diagnostic, ...], tuple[Source, ...]]:
     """What is found in a PPDDL file. The domain of one that defines none is sought in the files beside it,
     then in `others`. A domain may leave to problems what these say: who checks a problem reads it again with
-    it."""
+    it. Large problems are not grounded: their rules were made so that nothing conflicts."""
     from cleancli.conversion.pddl.models import defines_domain, defines_problem, domain_for, models_of
 
     if not defines_domain(source):
@@ -165,7 +169,15 @@ def _check_pddl(source: Source, others: Iterable[str]) -> tuple[tuple[Diagnostic
         made = models_of(domain or source, source)
     else:
         made = models_of(source, source if defines_problem(source) else None, is_open=True)
-    return made.diagnostics, made.sources
+    from cleancli.compiler.grounding_size import count_groundings
+
+    grounded = [
+        each
+        for number, problem in enumerate(made.problems)
+        if sum(rule.count for rule in count_groundings(made.domain, problem)) <= _MOST_GROUNDINGS
+        for each in _grounded(source, made.domain, problem, number)
+    ]
+    return (*made.diagnostics, *grounded), made.sources
 
 
 def _check_study(source: Source) -> tuple[tuple[Diagnostic, ...], tuple[Source, ...]]:
@@ -182,11 +194,7 @@ def _check_study(source: Source) -> tuple[tuple[Diagnostic, ...], tuple[Source, 
 
 def _check_problem(source: Source, text: Source) -> tuple[tuple[Diagnostic, ...], tuple[Source, ...]]:
     """The mistakes and warnings of a problem, with those of its domain's text if that has mistakes; where
-    neither has one also what conflicts for its objects (E602), what it wants in vain (W403), and whether its
-    plans are too short (W404).
-
-    Grounding is imported here: other files are checked without it.
-    """
+    neither has one also what grounding tells."""
     try:
         domain = opened_domain(text, may_include_outside())
     except Refused as refused:
@@ -197,17 +205,24 @@ def _check_problem(source: Source, text: Source) -> tuple[tuple[Diagnostic, ...]
     found = checked_problem(source, domain.model)
     if found.model is None:
         return found.diagnostics, found.sources
+    grounded = _grounded(source, domain.model, found.model)
+    is_told = any(each.code == "E602" for each in grounded)
+    return (*found.diagnostics, *grounded), (*domain.sources, *found.sources) if is_told else found.sources
+
+
+def _grounded(source: Source, domain: Domain, problem: Problem, number: int = 0) -> tuple[Diagnostic, ...]:
+    """What conflicts for a problem's objects (E602), or else what it wants in vain (W403) and whether its
+    plans are too short (W404); `number` of the problems before it that its text defines.
+
+    Grounding is imported here: other files are checked without it.
+    """
     from cleancli.cli.unreached import warnings_of, warnings_of_states
     from cleancli.compiler.ground import ground
 
+    searched: tuple[Diagnostic, ...] = ()
     try:
-        task = ground(domain.model, found.model)
+        searched = warnings_of_states(source, problem, ground(domain, problem), number)
     except Refused as refused:
-        conflicts = [each for each in refused.diagnostics if each.code == "E602"]
-        if conflicts:
-            return (*found.diagnostics, *conflicts), (*domain.sources, *found.sources)
-        searched: tuple[Diagnostic, ...] = ()
-    else:
-        searched = warnings_of_states(source, found.model, task)
-    vain = warnings_of(source, domain.model, found.model)
-    return (*found.diagnostics, *(vain or searched)), found.sources
+        if conflicts := tuple(each for each in refused.diagnostics if each.code == "E602"):
+            return conflicts
+    return warnings_of(source, domain, problem, number) or searched

@@ -14,7 +14,7 @@ from cleancli.language.checking.declarations import sections_of
 from cleancli.language.diagnostics.diagnostic import Diagnostic, Level, Source, Span
 from cleancli.language.diagnostics.plural import plural
 from cleancli.language.diagnostics.refused import Refused
-from cleancli.language.model import Domain, Problem
+from cleancli.language.model import Domain, Horizon, Problem
 from cleancli.language.parsing.parse import kind_of
 from cleancli.language.parsing.read import parse_as
 from cleancli.language.syntax import Goal, ProblemNode
@@ -22,18 +22,23 @@ from cleancli.language.syntax import Goal, ProblemNode
 _MOST_NAMED = 3
 
 
-def warnings_of(source: Source, domain: Domain, problem: Problem) -> tuple[Diagnostic, ...]:
-    """W403 for what no action can bring about, at its place in the problem's text."""
-    return tuple(_warning(each, problem, _place(source)) for each in unreached(domain, problem))
+def warnings_of(source: Source, domain: Domain, problem: Problem, number: int = 0) -> tuple[Diagnostic, ...]:
+    """W403 for what no action can bring about, at its place in the problem's text; `number` of the problems
+    before it that a PDDL text defines."""
+    return tuple(_warning(each, problem, _place(source, number)) for each in unreached(domain, problem))
 
 
-def warnings_of_states(source: Source, problem: Problem, task: Task) -> tuple[Diagnostic, ...]:
+def warnings_of_states(
+    source: Source, problem: Problem, task: Task, number: int = 0
+) -> tuple[Diagnostic, ...]:
     """W403 where the goal holds in no state of the grounded problem that may occur, and W404 where it takes
-    more actions than plans have."""
+    more actions than plans have; `number` as in `warnings_of`."""
     if out_of_reach(task, problem):
-        return (_never(problem, "it holds in no state that actions may lead to", _place(source)),)
+        return (_never(problem, "it holds in no state that actions may lead to", _place(source, number)),)
     found = short_horizon(task)
-    return () if found is None else (_too_short(found, longer_horizon(task), problem, _place(source)),)
+    if found is None:
+        return ()
+    return (_too_short(found, longer_horizon(task), problem, _place(source, number)),)
 
 
 def tell_unreached(sources: Sequence[Source], domain: Domain, problem: Problem) -> None:
@@ -45,9 +50,9 @@ def tell_unreached(sources: Sequence[Source], domain: Domain, problem: Problem) 
         echo_refused(Refused(found, sources))
 
 
-def _place(source: Source) -> Span:
+def _place(source: Source, number: int) -> Span:
     if is_pddl(source):
-        return place_of_goal(source) or Span(source.path, 0, 0)
+        return place_of_goal(source, number) or Span(source.path, 0, 0)
     root, _ = parse_as(source, "problem")
     assert isinstance(root, ProblemNode)
     for section in sections_of(root.sections, Goal):
@@ -76,10 +81,13 @@ def _never(problem: Problem, reason: str, place: Span) -> Diagnostic:
 
 def _too_short(found: ShortHorizon, longer: int, problem: Problem, place: Span) -> Diagnostic:
     takes = f"more than {found.horizon}" if found.least is None else f"at least {found.least}"
-    unstated = ": the problem states no horizon" if problem.horizon is None else ""
+    is_guess = isinstance(problem.horizon, Horizon) and problem.horizon.is_guess
+    unstated = ": the problem states no horizon" if problem.horizon is None or is_guess else ""
     message = (
         f"the goal of `{problem.name}` takes {takes} actions,"
         f" and plans have {plural(found.horizon, 'action')} at most{unstated}"
     )
     help = f"write for example `horizon = {longer}`, so that there is time for what fails and is tried again"
+    if is_guess:
+        help = f"PDDL has none, so this is a guess: `cleancli convert --horizon {longer}` states another"
     return Diagnostic("W404", message, place, help=help, level=Level.WARNING)

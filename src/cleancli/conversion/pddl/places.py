@@ -6,6 +6,8 @@ What stands in comments is passed over. A text that cannot be read has no places
 
 from __future__ import annotations
 
+from itertools import islice
+
 from cleancli.conversion.pddl.recognized import is_pddl
 from cleancli.conversion.pddl.words import Group, Node, Word, groups_of
 from cleancli.language.diagnostics.diagnostic import Source, Span
@@ -14,22 +16,24 @@ from cleancli.language.diagnostics.sink import Findings
 
 def place_of_problem(source: Source) -> Span | None:
     """The name of the first problem that a text defines; None where it defines none, or is no PDDL."""
-    problem = _problem(source)
+    problem = _problem(source, 0)
     head = None if problem is None else problem.items[1]
     return _span(head.items[1], source) if isinstance(head, Group) and len(head.items) > 1 else None
 
 
-def place_of_goal(source: Source) -> Span | None:
-    """The word `:goal` of the first problem that a text defines; None where there is none."""
-    problem = _problem(source)
+def place_of_goal(source: Source, number: int) -> Span | None:
+    """The word `:goal` of a problem that a text defines, behind a `number` of others; None where there is
+    none."""
+    problem = _problem(source, number)
     sections = () if problem is None else problem.items[2:]
     goals = (each.items[0] for each in sections if isinstance(each, Group) and each.head == ":goal")
     return next((_span(goal, source) for goal in goals), None)
 
 
-def _problem(source: Source) -> Group | None:
+def _problem(source: Source, number: int) -> Group | None:
     groups = groups_of(source.text, source.path, Findings(source)) if is_pddl(source) else ()
-    return next((group for group in groups if group.head == "define" and _names_problem(group)), None)
+    found = (group for group in groups if group.head == "define" and _names_problem(group))
+    return next(islice(found, number, None), None)
 
 
 def _names_problem(group: Group) -> bool:
