@@ -46,8 +46,9 @@ class Types:
         self._parents.pop(OBJECT, None)
         for name, each in declared.items():
             self._parents[name] = self._parent(each)
+        rooted = {OBJECT}
         for name, each in declared.items():
-            self._refuse_circle(name, each)
+            self._refuse_circle(name, each, rooted)
 
     def _name(self, name: Name) -> str:
         return OBJECT if name.text == OBJECT else self._naming.of(name, "t")
@@ -72,15 +73,19 @@ class Types:
                 )
         return known
 
-    def _refuse_circle(self, name: str, place: Typed) -> None:
-        seen: list[str] = []
+    def _refuse_circle(self, name: str, place: Typed, rooted: set[str]) -> None:
+        """E916 for a type that is below itself; those that are known not to be are `rooted`. One that is
+        below such a circle is told of when the circle's own types are looked at."""
+        seen: set[str] = set()
         here = name
-        while here != OBJECT and here not in seen:
-            seen.append(here)
+        while here not in rooted and here not in seen:
+            seen.add(here)
             here = self._parents[here]
-        if here != OBJECT:
+        if here == name and name not in rooted:
             self._findings.error("E916", f"the type `{name}` is below itself", place.name.span)
             self._parents[name] = OBJECT
+        if here == name or here in rooted:
+            rooted |= seen
 
     @property
     def declared(self) -> Mapping[str, str]:
@@ -116,7 +121,8 @@ class Types:
         said = tuple([name.text for name in types])
         if said not in self._found:
             members = tuple(dict.fromkeys(self._known(name) for name in types)) or (OBJECT,)
-            highest = tuple(m for m in members if not any(m != o and self.is_a(m, o) for o in members))
+            others = set(members)
+            highest = tuple(each for each in members if others.isdisjoint(self.line(each)[1:]))
             one = self.above(highest)
             self.mentioned.update((one, *highest))
             self._found[said] = one, (highest if len(highest) > 1 else ())
