@@ -7,7 +7,7 @@ when planning stay plain.
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import MISSING, Field, FrozenInstanceError, dataclass, field
 from typing import Any, NoReturn, cast, dataclass_transform
 
@@ -18,6 +18,7 @@ class _RecordType(type):
 
     _parts: Mapping[str, Field[Any]] = {}
     _fields: tuple[str, ...]
+    _setters: tuple[Callable[[object, object], None], ...]
     _defaults: tuple[tuple[str, Any], ...]
     _compared: tuple[str, ...]
 
@@ -28,6 +29,7 @@ class _RecordType(type):
         parts = {n: part if isinstance(part, Field) else field(default=part) for n, part in stated.items()}
         made._parts = parts | made._parts
         made._fields = tuple(made._parts)
+        made._setters = tuple(getattr(made, name).__set__ for name in made._fields)
         made._defaults = tuple((name, part.default) for name, part in made._parts.items())
         made._compared = tuple(name for name, part in made._parts.items() if part.compare)
         return cast(_RecordType, dataclass(init=False, repr=False, eq=False)(made))
@@ -38,13 +40,13 @@ class Record(metaclass=_RecordType):
 
     def __init__(self, *values: object, **named: object) -> None:
         kind = type(self)
-        if kind._fields[len(values) :] == tuple(named):
-            values += tuple(named.values())
-        else:
-            values = kind._with_defaults(values, named)
-        put = object.__setattr__
-        for name, value in zip(kind._fields, values, strict=True):
-            put(self, name, value)
+        if named or len(values) != len(kind._fields):
+            if kind._fields[len(values) :] == tuple(named):
+                values += tuple(named.values())
+            else:
+                values = kind._with_defaults(values, named)
+        for put, value in zip(kind._setters, values, strict=True):
+            put(self, value)
 
     @classmethod
     def _with_defaults(cls, values: tuple[object, ...], named: dict[str, object]) -> tuple[object, ...]:
