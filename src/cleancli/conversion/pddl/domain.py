@@ -163,6 +163,9 @@ def _tidied(rule: Rule, declared: Declarations) -> Rule | None:
             effects = tuple(e for e, why in zip(outcome.effects, idle, strict=True) if why is None)
             does = effects or outcome.reward or outcome.cost
             tidy = replace(outcome, effects=effects, kind=OutcomeKind.CHANGE if does else OutcomeKind.NOTHING)
+        if len(rule.outcomes) == 1:  # there is no other to compare it with
+            found[None] = tidy
+            break
         done = doing(tidy, asked, declared), outcome.reward, outcome.cost
         before = found.get(done)
         if before is not None:

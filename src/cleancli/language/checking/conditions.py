@@ -97,7 +97,7 @@ def resolve_application(node: syntax.Application, scope: Scope) -> tuple[Symbol,
     if symbol is None:
         _unknown_symbol(node, scope)
         return None
-    if any((what, name) in scope.findings.unclear for what in _SYMBOLS):
+    if scope.findings.unclear and any((what, name) in scope.findings.unclear for what in _SYMBOLS):
         return None
     if len(terms) != len(symbol.parameters):
         wants = len(symbol.parameters)
@@ -109,10 +109,10 @@ def resolve_application(node: syntax.Application, scope: Scope) -> tuple[Symbol,
         )
         return None
     fit = [
-        _fits(term, parameter, place, name, scope)
+        term is None or term.type == parameter.type or _fits(term, parameter, place, name, scope)
         for term, parameter, place in zip(terms, symbol.parameters, node.terms, strict=True)
     ]
-    known = tuple(term for term in terms if term is not None)
+    known = tuple([term for term in terms if term is not None])
     return (symbol, known) if all(fit) and len(known) == len(terms) else None
 
 
@@ -125,8 +125,8 @@ def _unknown_symbol(node: syntax.Application, scope: Scope) -> None:
         scope.findings.unknown("E203", what, name.text, name.span, scope.declared.symbols)
 
 
-def _fits(term: Term | None, parameter: Variable, place: syntax.TermNode, name: str, scope: Scope) -> bool:
-    if term is None or "types" in scope.declared.unsure or scope.declared.is_a(term.type, parameter.type):
+def _fits(term: Term, parameter: Variable, place: syntax.TermNode, name: str, scope: Scope) -> bool:
+    if "types" in scope.declared.unsure or scope.declared.is_a(term.type, parameter.type):
         return True
     shown = f"?{term.name}" if isinstance(term, Variable) else term.name
     scope.findings.error(

@@ -100,7 +100,7 @@ def _refuse(effect: Assign | Shift, how: str, span: Span, scope: Scope, help: st
 
 
 def _place(effect: Assign | Shift, same: Mapping[Term, Term], scope: Scope) -> _Place:
-    terms = tuple(same.get(term, term) for term in effect.terms)
+    terms = tuple([same.get(term, term) for term in effect.terms]) if same else effect.terms
     return effect.symbol, canonical(scope.declared.symbols[effect.symbol], terms)
 
 

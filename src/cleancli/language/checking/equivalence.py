@@ -96,21 +96,35 @@ def idle_because(outcome: Outcome, asked: Asked, declared: Declarations) -> tupl
 
     Effects of a `forall` are not looked at.
     """
+    said = [_said_of(effect, asked, declared) for effect in outcome.effects]
+    if not any(said):  # as of most outcomes: what they come to needs no look
+        return (None,) * len(said)
     done = _done(outcome, asked, declared)
     return tuple(
-        None if isinstance(effect, ForAll) else _because(effect, done, asked, declared)
-        for effect in outcome.effects
+        None
+        if literal is None or isinstance(effect, ForAll) or not _leaves(effect, done, asked, declared)
+        else literal
+        for effect, literal in zip(outcome.effects, said, strict=True)
     )
 
 
-def _because(effect: Assign | Shift, done: _Done, asked: Asked, declared: Declarations) -> Literal | None:
-    guard, place = _PLAIN, _place(effect.symbol, effect.terms, {}, asked.same, declared.symbols)
+def _said_of(effect: Assign | Shift | ForAll, asked: Asked, declared: Declarations) -> Literal | None:
+    """What the rule's condition says that a plain effect could leave as it is, None where nothing."""
+    if isinstance(effect, ForAll):
+        return None
+    known = asked.values.get(_place(effect.symbol, effect.terms, {}, asked.same, declared.symbols))
+    if known is None or (isinstance(effect, Assign) and known != {effect.value}):
+        return None
+    return Literal(effect.symbol, effect.terms, known)
+
+
+def _leaves(effect: Assign | Shift, done: _Done, asked: Asked, declared: Declarations) -> bool:
+    """Whether a plain effect leaves what it is on as the rule's condition says that it is."""
+    place = _place(effect.symbol, effect.terms, {}, asked.same, declared.symbols)
     if isinstance(effect, Assign):
-        idle = _is_idle((guard, place, effect.value), done, asked)
-    else:
-        sums = [each for each in done.shifted if each[:2] == (guard, place)]
-        idle = any(_stays(each, done, asked, declared) for each in sums)
-    return Literal(effect.symbol, effect.terms, asked.values[place]) if idle else None
+        return _is_idle((_PLAIN, place, effect.value), done, asked)
+    sums = [each for each in done.shifted if each[:2] == (_PLAIN, place)]
+    return any(_stays(each, done, asked, declared) for each in sums)
 
 
 def _done(outcome: Outcome, asked: Asked, declared: Declarations) -> _Done:
@@ -146,11 +160,14 @@ def _is_idle(each: _Assigned, done: _Done, asked: Asked) -> bool:
     guard, place, value = each
     known = asked.values.get(place)
     if known is not None:
-        there = known == frozenset({value})
+        there = known == {value}
     else:
-        there = (*place, _shown(frozenset({value}))) in guard[1]
-    others = any(other[0] == place[0] and set_to != value for _, other, set_to in done.assigned)
-    return there and not others and not any(other[0] == place[0] for _, other, _ in done.shifted)
+        there = bool(guard[1]) and (*place, _shown(frozenset({value}))) in guard[1]
+    return (
+        there
+        and not any(other[0] == place[0] and set_to != value for _, other, set_to in done.assigned)
+        and not any(other[0] == place[0] for _, other, _ in done.shifted)
+    )
 
 
 def _stays(each: _Shifted, done: _Done, asked: Asked, declared: Declarations) -> bool:
@@ -262,7 +279,7 @@ def _place(
 
 
 def _named(terms: tuple[Term, ...], numbers: Mapping[Term, int], same: Mapping[Term, Term]) -> _Terms:
-    return tuple(_name(term, numbers, same) for term in terms)
+    return tuple([_name(term, numbers, same) for term in terms])
 
 
 def _name(term: Term, numbers: Mapping[Term, int], same: Mapping[Term, Term]) -> tuple[str, str]:

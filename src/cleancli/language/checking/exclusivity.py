@@ -14,7 +14,15 @@ from itertools import combinations
 from cleancli.language.checking.conditions import Scope
 from cleancli.language.checking.declarations import Declarations
 from cleancli.language.checking.first_order import Reading
-from cleancli.language.checking.literals import Witness, negated, renamed, separating, with_terms, witness
+from cleancli.language.checking.literals import (
+    Witness,
+    can_hold,
+    negated,
+    renamed,
+    separating,
+    with_terms,
+    witness,
+)
 from cleancli.language.checking.satisfiability import TooHard, satisfy
 from cleancli.language.diagnostics.diagnostic import Span
 from cleancli.language.model import Literal, Quantified, Rule, Term, Value, Variable
@@ -39,7 +47,7 @@ def refuse_unsatisfiable(rule: Rule, place: Span, scope: Scope) -> None:
 
 def can_apply(rule: Rule, declared: Declarations) -> bool:
     """Whether a state of some problem may let a rule apply; true where that is too hard to find out."""
-    possible = witness([rule.condition], declared) is not None
+    possible = can_hold([rule.condition], declared)
     if not possible or _is_plain(rule, declared):
         return possible
     reading = Reading(declared, rule.variables)
@@ -56,6 +64,8 @@ def refuse_overlaps(rules: Iterable[Rule], scope: Scope) -> None:
         by_action.setdefault(rule.action, []).append(rule)
     reported = 0
     for group in by_action.values():
+        if len(group) == 1:
+            continue
         asked = [_asked(rule, scope.declared) for rule in group]
         for one, other in sorted(close_pairs(asked)):
             if reported < _MOST_REPORTED:

@@ -12,7 +12,7 @@ that cannot hold together decide alone, and where they can, `satisfiable` decide
 from __future__ import annotations
 
 from collections.abc import Iterable, Mapping
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 
 from cleancli.language.checking.declarations import Declarations
 from cleancli.language.model import (
@@ -37,18 +37,36 @@ class Witness:
     allowed: tuple[Literal, ...]
 
 
+_Allowed = dict[tuple[str, tuple[Term, ...]], frozenset[Value]]
+"""The values that each fluent may have."""
+
+
 def witness(conditions: Iterable[Condition], declared: Declarations) -> Witness | None:
     """A state in which the literals of all conditions (over the same variables) hold, None if none is."""
+    found = _found(conditions, declared)
+    if found is None:
+        return None
+    stands, allowed = found
+    literals = tuple(Literal(*fluent, values) for fluent, values in allowed.items())
+    return Witness(tuple((one, leader) for one, leader in stands.items() if one != leader), literals)
+
+
+def can_hold(conditions: Iterable[Condition], declared: Declarations) -> bool:
+    """Whether there is a state in which the literals of all conditions (over the same variables) hold."""
+    return _found(conditions, declared) is not None
+
+
+def _found(
+    conditions: Iterable[Condition], declared: Declarations
+) -> tuple[Mapping[Term, Term], _Allowed] | None:
+    """The terms that are one object, with the one that stands for them, and the values of each fluent."""
     parts = [part for condition in conditions for part in condition]
     equalities = [part for part in parts if isinstance(part, Equality)]
     stands = leaders(equalities)
     if not _can_stand(stands, equalities, declared):
         return None
     allowed = _allowed([part for part in parts if isinstance(part, Literal)], stands, declared)
-    if not all(allowed.values()):
-        return None
-    literals = tuple(Literal(*fluent, values) for fluent, values in allowed.items())
-    return Witness(tuple((one, leader) for one, leader in stands.items() if one != leader), literals)
+    return (stands, allowed) if all(allowed.values()) else None
 
 
 def _can_stand(stands: Mapping[Term, Term], equalities: Iterable[Equality], declared: Declarations) -> bool:
@@ -58,15 +76,13 @@ def _can_stand(stands: Mapping[Term, Term], equalities: Iterable[Equality], decl
     return all(e.equal or _leader(e.left, stands) != _leader(e.right, stands) for e in equalities)
 
 
-def _allowed(
-    literals: Iterable[Literal], stands: Mapping[Term, Term], declared: Declarations
-) -> dict[tuple[str, tuple[Term, ...]], frozenset[Value]]:
+def _allowed(literals: Iterable[Literal], stands: Mapping[Term, Term], declared: Declarations) -> _Allowed:
     """The values that all literals of a fluent allow; terms that are one object have their leader's name."""
-    allowed: dict[tuple[str, tuple[Term, ...]], frozenset[Value]] = {}
+    allowed: _Allowed = {}
     for literal in literals:
-        symbol = declared.symbols[literal.symbol]
-        fluent = literal.symbol, canonical(symbol, tuple(_leader(term, stands) for term in literal.terms))
-        allowed[fluent] = allowed.get(fluent, frozenset(symbol.values)) & literal.values
+        terms = tuple([_leader(term, stands) for term in literal.terms]) if stands else literal.terms
+        fluent = literal.symbol, canonical(declared.symbols[literal.symbol], terms)
+        allowed[fluent] = allowed.get(fluent, literal.values) & literal.values
     return allowed
 
 
@@ -106,14 +122,18 @@ def _can_be_one(one: Term, leader: Term, leaders: Mapping[Term, Term], declared:
 
 def renamed(rule: Rule, variables: tuple[Variable, ...]) -> Condition:
     """The literals of the rule's condition over other names of its action's parameters."""
+    literals = tuple([part for part in rule.condition if not isinstance(part, Quantified)])
+    if rule.variables == variables:
+        return literals
     names: dict[Term, Term] = dict(zip(rule.variables, variables, strict=True))
-    return tuple(with_terms(part, names) for part in rule.condition if not isinstance(part, Quantified))
+    return tuple([with_terms(part, names) for part in literals])
 
 
 def with_terms(part: Literal | Equality, names: Mapping[Term, Term]) -> Literal | Equality:
     """The literal with other terms in place of some."""
     if isinstance(part, Literal):
-        return replace(part, terms=tuple(names.get(t, t) for t in part.terms))
+        terms = tuple([names.get(term, term) for term in part.terms])
+        return Literal(part.symbol, terms, part.values, part.relation)
     return Equality(names.get(part.left, part.left), names.get(part.right, part.right), part.equal)
 
 
@@ -123,7 +143,7 @@ def separating(one: Condition, other: Condition, declared: Declarations) -> Lite
         if isinstance(part, Quantified):
             continue
         opposite = negated(part, declared)
-        if witness([other, (opposite,)], declared) is not None:
+        if can_hold([other, (opposite,)], declared):
             return part
     return None
 

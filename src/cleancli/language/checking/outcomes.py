@@ -203,7 +203,7 @@ def _refuse_same(
     # libPRADA takes the condition and what is set as independent, so there all that is set counts.
     asked = Asked({}, {}, idle=False) if scope.compat else asked_by(condition, scope.declared)
     written: dict[str, syntax.OutcomeNode] = {}
-    done: dict[object, syntax.OutcomeNode] = {}
+    done: dict[object, tuple[syntax.OutcomeNode, Outcome]] = {}
     for node, outcome in zip(nodes, outcomes, strict=True):
         if isinstance(node.result, syntax.Effects) and _has_mistakes(node.result, outcome):
             continue
@@ -211,18 +211,21 @@ def _refuse_same(
             _warn_idle(node, outcome, asked, scope)
         if len(nodes) == 1:
             break
-        shown = print_result(outcome, scope.declared.symbols)
         real = doing(outcome, asked, scope.declared), outcome.reward, outcome.cost
+        first, before = done.setdefault(real, (node, outcome))
+        if first is node:
+            continue
+        written.setdefault(print_result(before, scope.declared.symbols), first)
+        shown = print_result(outcome, scope.declared.symbols)
         if shown in written:
             line = scope.findings.line(written[shown].span)
             help = f"add its probability to the outcome in {line}"
             scope.findings.error("E309", "this result is listed twice", node.result.span, help=help)
-        elif real in done:
-            line = scope.findings.line(done[real].span)
+        else:
+            line = scope.findings.line(first.span)
             message = f"where the rule applies, this does the same as the outcome in {line}"
             scope.findings.error("E309", message, node.result.span, help="make them one outcome")
         written.setdefault(shown, node)
-        done.setdefault(real, node)
 
 
 def _has_mistakes(node: syntax.Effects, outcome: Outcome) -> bool:
