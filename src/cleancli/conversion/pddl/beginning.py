@@ -79,7 +79,7 @@ def _results(drawn: Sequence[ChanceNode], words: Words, effects: Effects) -> lis
         words.findings.error("E917", "conditions decide of nothing before the first action", drawn[0].span)
         return []
     try:
-        return list(results_of(tree).values())
+        return list(results_of(tree))
     except TooMany:
         message = f"there are more than {MOST_OUTCOMES} initial states"
         words.findings.error("E917", message, drawn[0].span)

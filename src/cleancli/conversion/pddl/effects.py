@@ -9,15 +9,16 @@ from __future__ import annotations
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from fractions import Fraction
-from itertools import product
+from functools import reduce
+from itertools import groupby, product
 from math import prod
 
 from cleancli.conversion.pddl.formula import (
     ALWAYS,
     NEVER,
     Formula,
+    Known,
     MayBeOne,
-    assuming,
     both,
     either,
     free_variables,
@@ -299,24 +300,24 @@ def _has_chance(node: EffectNode) -> bool:
 # ---- what a tree comes to
 
 
-def decided(tree: Tree, known: Sequence[Formula]) -> Tree:
+def decided(tree: Tree, known: Known) -> Tree:
     """What is left of a tree where some formulas hold."""
     match tree:
         case Change():
-            guard = assuming(tree.guard, known)
+            guard = known.left_of(tree.guard)
             if guard == tree.guard:
                 return tree
             return NOTHING if guard == NEVER else replace(tree, guard=guard)
         case All(parts):
-            return All(tuple(found for part in parts if (found := decided(part, known)) != NOTHING))
+            return All(tuple([found for part in parts if (found := decided(part, known)) != NOTHING]))
         case Branch(condition, part):
-            asked = assuming(condition, known)
-            inner = decided(part, [*known, asked])
+            asked = known.left_of(condition)
+            inner = decided(part, Known([*known.formulas, asked]))
             if asked == NEVER or inner == NOTHING:
                 return NOTHING
             return inner if asked == ALWAYS else Branch(asked, inner)
         case Chance(branches):
-            return Chance(tuple((p, decided(part, known)) for p, part in branches))
+            return Chance(tuple([(p, decided(part, known)) for p, part in branches]))
         case Pay():
             return tree
 
@@ -396,8 +397,8 @@ class Result:
     paid: Paid = Paid()
 
 
-Results = dict[tuple[frozenset[Change], Paid], Result]
-"""Results by what happens."""
+Results = tuple[Result, ...]
+"""What something may come to, each once."""
 
 MayMeet = Callable[[Formula, Formula], bool]
 """Whether two conditions may hold in one state."""
@@ -408,35 +409,31 @@ def results_of(tree: Tree, may_meet: MayMeet | None = None) -> Results:
     `may_meet` tells whether two conditions may hold in one state; None: any two. Raises `TooMany`."""
     match tree:
         case Change():
-            return _merged([Result(Fraction(1), (tree,))])
+            return (Result(Fraction(1), (tree,)),)
         case All(parts):
-            sure = tuple(part for part in parts if isinstance(part, Change))
-            if len(sure) == len(parts):  # as in most actions: nothing is left to chance
-                return _merged([Result(Fraction(1), sure)])
-            found = _merged([Result(Fraction(1))])
-            for inner in _drawn_apart(parts, may_meet):
-                if len(found) * len(inner) > 64 * MOST_OUTCOMES:
-                    raise TooMany
-                found = _merged(
-                    _beside(one, other, one.chance * other.chance)
-                    for one in found.values()
-                    for other in inner.values()
-                )
-                if len(found) > MOST_OUTCOMES:
-                    raise TooMany
-            return found
+            return reduce(_product, _drawn_apart(parts, may_meet), (Result(Fraction(1)),))
         case Chance(branches):
             rest = 1 - sum((p for p, _ in branches), Fraction(0))
             likely = [
                 replace(each, chance=p * each.chance)
                 for p, part in branches
-                for each in results_of(part, may_meet).values()
+                for each in results_of(part, may_meet)
             ]
             return _merged([*likely, *([Result(rest)] if rest else [])])
         case Pay(paid):
-            return _merged([Result(Fraction(1), (), paid)])
+            return (Result(Fraction(1), (), paid),)
         case Branch():
             raise AssertionError("conditions are decided before")
+
+
+def _product(found: Results, others: Results) -> Results:
+    """All pairs of results that are drawn independently."""
+    if len(found) * len(others) > 64 * MOST_OUTCOMES:
+        raise TooMany
+    made = _merged(_beside(one, other, one.chance * other.chance) for one in found for other in others)
+    if len(made) > MOST_OUTCOMES:
+        raise TooMany
+    return made
 
 
 def _beside(one: Result, other: Result, chance: Fraction) -> Result:
@@ -448,7 +445,11 @@ def _drawn_apart(parts: Sequence[Tree], may_meet: MayMeet | None) -> Iterator[Re
     """The results of parts that are drawn independently of each other. Parts of which no state lets two
     happen share one draw: of one that happens alone it makes no difference what the others would do."""
     if may_meet is None or len(parts) > MOST_SHARED:
-        yield from (results_of(part, may_meet) for part in parts)
+        for is_sure, several in groupby(parts, key=lambda part: isinstance(part, Change)):
+            if is_sure:
+                yield (Result(Fraction(1), tuple(part for part in several if isinstance(part, Change))),)
+            else:
+                yield from (results_of(part, may_meet) for part in several)
         return
     groups: list[list[tuple[Formula, Results]]] = []
     for part in parts:
@@ -474,8 +475,8 @@ def _asked(tree: Tree) -> Formula:
             return both([condition, _asked(part)])
         case Chance(branches):
             return either(_asked(part) for _, part in branches)
-        case Pay(paid, parts):
-            return ALWAYS if paid != Paid() or parts else NEVER
+        case Pay(paid):
+            return ALWAYS if paid else NEVER
 
 
 def _sharing(several: Sequence[Results]) -> Results:
@@ -483,7 +484,7 @@ def _sharing(several: Sequence[Results]) -> Results:
     likeliest results come first in each, so that most of them end where those of others do."""
     if len(several) == 1:
         return several[0]
-    waiting = [sorted(results.values(), key=lambda each: -each.chance) for results in several]
+    waiting = [sorted(results, key=lambda each: -each.chance) for results in several]
     found = []
     while waiting[0]:
         chance = min(results[0].chance for results in waiting)
@@ -497,15 +498,17 @@ def _sharing(several: Sequence[Results]) -> Results:
 
 
 def _merged(results: Iterable[Result]) -> Results:
-    found: Results = {}
+    """Each result once, by what happens."""
+    found: dict[tuple[frozenset[Change], Paid], Result] = {}
     for each in results:
-        key = frozenset(each.changes), each.paid
+        changes = dict.fromkeys(each.changes)
+        key = frozenset(changes), each.paid
         before = found.get(key)
         if before is None:
-            found[key] = replace(each, changes=tuple(dict.fromkeys(each.changes)))
+            found[key] = Result(each.chance, tuple(changes), each.paid)
         else:
             found[key] = replace(before, chance=before.chance + each.chance)
-    return found
+    return tuple(found.values())
 
 
 def known_for(tree: Tree) -> Iterator[Formula]:

@@ -10,7 +10,7 @@ from dataclasses import dataclass, replace
 
 from cleancli.language.model import Equality, Literal, Object, Term, Variable
 
-_BOTH = {True: frozenset({False}), False: frozenset({True})}
+_VALUES = {truth: frozenset({truth}) for truth in (False, True)}
 
 
 @dataclass(frozen=True, slots=True)
@@ -47,7 +47,7 @@ NEVER = Either(())
 
 def literal(symbol: str, terms: tuple[Term, ...], value: bool = True) -> Literal:
     """That a predicate is true or false of terms."""
-    return Literal(symbol, terms, frozenset({value}))
+    return Literal(symbol, terms, _VALUES[value])
 
 
 def equality(left: Term, right: Term, may_be_one: MayBeOne) -> Formula:
@@ -63,7 +63,7 @@ def negated(formula: Formula) -> Formula:
     """The opposite."""
     match formula:
         case Literal():
-            return Literal(formula.symbol, formula.terms, _BOTH[True in formula.values])
+            return Literal(formula.symbol, formula.terms, _VALUES[False in formula.values])
         case Equality():
             return Equality(formula.left, formula.right, not formula.equal)
         case Both(parts):
@@ -76,7 +76,10 @@ def negated(formula: Formula) -> Formula:
 
 def both(parts: Iterable[Formula]) -> Formula:
     """The conjunction."""
-    found = dict.fromkeys(_flat(parts, Both))
+    saying = [part for part in parts if not (isinstance(part, Both) and not part.parts)]
+    if len(saying) < 2:
+        return saying[0] if saying else ALWAYS
+    found = dict.fromkeys(_flat(saying, Both))
     if len(found) == 1:
         return next(iter(found))
     return NEVER if NEVER in found or _has_opposites(found) else Both(tuple(found))
@@ -84,7 +87,10 @@ def both(parts: Iterable[Formula]) -> Formula:
 
 def either(parts: Iterable[Formula]) -> Formula:
     """The disjunction."""
-    found = dict.fromkeys(_flat(parts, Either))
+    saying = [part for part in parts if not (isinstance(part, Either) and not part.parts)]
+    if len(saying) < 2:
+        return saying[0] if saying else NEVER
+    found = dict.fromkeys(_flat(saying, Either))
     if len(found) == 1:
         return next(iter(found))
     return ALWAYS if ALWAYS in found or _has_opposites(found) else Either(tuple(found))
@@ -148,6 +154,8 @@ def free_variables(formula: Formula) -> dict[Variable, None]:
 
 def substituted(formula: Formula, terms: Mapping[Term, Term], may_be_one: MayBeOne) -> Formula:
     """The formula with other terms for some; bound variables that these would meet get other names."""
+    if not terms:
+        return formula
     match formula:
         case Literal():
             changed = tuple([terms.get(term, term) for term in formula.terms])
@@ -180,24 +188,38 @@ def apart(variable: Variable, met: Iterable[Term]) -> Variable:
     return variable if name == variable.name else replace(variable, name=name)
 
 
+class Known:
+    """Formulas that hold somewhere. What follows from them is worked out once, when it is first asked for."""
+
+    def __init__(self, formulas: Iterable[Formula]) -> None:
+        self.formulas = tuple(formulas)
+        self._decided: tuple[set[Formula], set[Formula]] | None = None
+
+    def left_of(self, formula: Formula) -> Formula:
+        """What is left of a formula where they hold."""
+        if formula in (ALWAYS, NEVER):
+            return formula
+        if self._decided is None:
+            holds = set(_flat(self.formulas, Both))
+            self._decided = holds | {ALWAYS}, {negated(each) for each in holds} | {NEVER}
+        return _left_of(formula, *self._decided)
+
+
 def assuming(formula: Formula, known: Iterable[Formula]) -> Formula:
-    """What is left of a formula where others hold."""
-    if formula in (ALWAYS, NEVER):
-        return formula
-    holds = set(_flat(known, Both))
-    return _assuming(formula, holds | {ALWAYS}, {negated(each) for each in holds} | {NEVER})
+    """What is left of a formula where others hold, of which no more is asked."""
+    return Known(known).left_of(formula)
 
 
-def _assuming(formula: Formula, holds: set[Formula], fails: set[Formula]) -> Formula:
+def _left_of(formula: Formula, holds: set[Formula], fails: set[Formula]) -> Formula:
     if formula in holds:
         return ALWAYS
     if formula in fails:
         return NEVER
     match formula:
         case Both(parts):
-            return both(_assuming(part, holds, fails) for part in parts)
+            return both(_left_of(part, holds, fails) for part in parts)
         case Either(parts):
-            return either(_assuming(part, holds, fails) for part in parts)
+            return either(_left_of(part, holds, fails) for part in parts)
         case Quantified():
             return formula
     return formula

@@ -32,8 +32,8 @@ from cleancli.conversion.pddl.formula import (
     Both,
     Either,
     Formula,
+    Known,
     apart,
-    assuming,
     both,
     equality,
     free_variables,
@@ -101,7 +101,7 @@ def _by_costs(
     never_both: NeverBoth,
 ) -> Iterator[Case]:
     """The cases that costs depend on; all other conditions of the effect stay in it."""
-    tree = decided(tree, known)
+    tree = decided(tree, Known(known))
     condition = first_condition(tree, paying=True)
     if condition is None:
         yield replace(_undivided(tree, known, types, never_both), decisions=decisions)
@@ -122,14 +122,15 @@ def _either_way(
 
 def _undivided(tree: Tree, known: tuple[Formula, ...], types: Types, never_both: NeverBoth) -> Case:
     """The case that all conditions of the effect stay in; none of them decides of costs."""
-    tree = decided(guarded(tree), known)
+    here = Known(known)
+    tree = decided(guarded(tree), here)
 
     def may_meet(one: Formula, other: Formula) -> bool:
         pairs = product(_alternatives(one), _alternatives(other))
         return not all(_is_excluded(pair, known, types, never_both) for pair in pairs)
 
-    results = results_of(tree, may_meet)
-    return Case((), _all_settled(results.values(), known, types), both(known_for(tree)))
+    results = (_settled(each, _meetings(each.changes, here, types)) for each in results_of(tree, may_meet))
+    return Case((), tuple(results), both(known_for(tree)))
 
 
 def _alternatives(formula: Formula) -> tuple[Formula, ...]:
@@ -153,14 +154,19 @@ def _parts(formula: Formula) -> tuple[Formula, ...]:
 def _cases(
     tree: Tree, known: tuple[Formula, ...], decisions: tuple[tuple[Formula, bool], ...], types: Types
 ) -> Iterator[Case]:
-    tree = decided(tree, known)
+    here = Known(known)
+    tree = decided(tree, here)
     condition = first_condition(tree)
     if condition is None:
-        results = list(results_of(tree).values())
-        met = (_open(each.changes, known, types) for each in results)
-        condition = next((each for each in met if each is not None), None)
-        if condition is None:
-            yield Case(decisions, _all_settled(results, known, types), both(known_for(tree)))
+        results = []
+        for each in results_of(tree):
+            meetings = _meetings(each.changes, here, types)
+            condition = _open(each.changes, meetings)
+            if condition is not None:
+                break
+            results.append(_settled(each, meetings))
+        else:
+            yield Case(decisions, tuple(results), both(known_for(tree)))
             return
     for holds, inner in _either_way(tree, known, condition, types):
         yield from _cases(*inner, (*decisions, (condition, holds)), types)
@@ -201,32 +207,36 @@ def _excluded(asked: Formula, known: tuple[Formula, ...], types: Types) -> bool:
 # ---- delete, then add
 
 
-def _open(changes: tuple[Change, ...], known: tuple[Formula, ...], types: Types) -> Formula | None:
+def _meetings(changes: tuple[Change, ...], known: Known, types: Types) -> list[list[Formula]]:
+    """For each change under what others add what it deletes."""
+    return [
+        [_meeting(change, other, known, types) for other in _adding(change, changes)] for change in changes
+    ]
+
+
+def _open(changes: tuple[Change, ...], meetings: list[list[Formula]]) -> Formula | None:
     """A condition on which it depends whether something is deleted, as it is not where it is added; None
     where there is none, but those on bindings of a `forall`."""
-    for change in changes:
-        for other in _adding(change, changes) if not change.variables else ():
-            meets = _meeting(change, other, known, types)
-            if meets not in (ALWAYS, NEVER):
-                return meets
+    for change, meets in zip(changes, meetings, strict=True):
+        if not change.variables:
+            for condition in meets:
+                if condition not in (ALWAYS, NEVER):
+                    return condition
     return None
 
 
-def _all_settled(results: Iterable[Result], known: tuple[Formula, ...], types: Types) -> tuple[Result, ...]:
-    return tuple(replace(each, changes=tuple(_settled(each.changes, known, types))) for each in results)
-
-
-def _settled(changes: tuple[Change, ...], known: tuple[Formula, ...], types: Types) -> Iterator[Change]:
-    """The changes, each deletion only where nothing adds what it deletes, and none that another makes too."""
-    for change in changes:
+def _settled(result: Result, meetings: list[list[Formula]]) -> Result:
+    """The result with each deletion only where nothing adds what it deletes, and without changes that another
+    makes too."""
+    kept: list[Change] = []
+    for change, meets in zip(result.changes, meetings, strict=True):
         is_plain = change.variables or change.guard == ALWAYS
-        if not is_plain and replace(change, guard=ALWAYS) in changes:
+        if not is_plain and replace(change, guard=ALWAYS) in result.changes:
             continue
-        kept = change.guard
-        for other in _adding(change, changes):
-            kept = both([kept, negated(_meeting(change, other, known, types))])
-        if kept != NEVER:
-            yield change if kept == change.guard else replace(change, guard=kept)
+        guard = both([change.guard, *map(negated, meets)])
+        if guard != NEVER:
+            kept.append(change if guard == change.guard else replace(change, guard=guard))
+    return replace(result, changes=tuple(kept))
 
 
 def _adding(change: Change, changes: tuple[Change, ...]) -> Iterator[Change]:
@@ -235,7 +245,7 @@ def _adding(change: Change, changes: tuple[Change, ...]) -> Iterator[Change]:
         yield from (each for each in changes if each.value and each.symbol == change.symbol)
 
 
-def _meeting(change: Change, other: Change, known: tuple[Formula, ...], types: Types) -> Formula:
+def _meeting(change: Change, other: Change, known: Known, types: Types) -> Formula:
     """Under what the other change adds what this one deletes, where this one is made."""
     met: list[Term] = [*change.variables, *change.terms, *free_variables(change.guard)]
     names: dict[Term, Term] = {}
@@ -253,9 +263,10 @@ def _meeting(change: Change, other: Change, known: tuple[Formula, ...], types: T
             asked.append(equality(stands.get(own, own), place, types.may_be_one))
     left = [one for one in bound - stands.keys() if isinstance(one, Variable)]
     inner = both(substituted(part, stands, types.may_be_one) for part in asked)
-    here = (*known, *_parts(change.guard))
-    meets = assuming(quantified(True, sorted(left), inner), here)
-    return NEVER if meets != NEVER and _excluded(meets, here, types) else meets
+    guard = _parts(change.guard)
+    here = Known([*known.formulas, *guard]) if guard else known
+    meets = here.left_of(quantified(True, sorted(left), inner))
+    return NEVER if meets != NEVER and _excluded(meets, here.formulas, types) else meets
 
 
 # ---- rules
@@ -271,7 +282,8 @@ def conditions_of(
     plainly = any(map(definitions.is_made, base)) or any(isinstance(f, Both | Either) for f in asked)
     for case in cases:
         decided = [formula if holds else negated(formula) for formula, holds in case.decisions]
-        left = both(assuming(part, decided) for part in _parts(precondition)) if decided else precondition
+        here = Known(decided)
+        left = both(map(here.left_of, _parts(precondition))) if decided else precondition
         shared = base if left == precondition else definitions.condition(left)
         own = [definitions.decision(*each, plainly=plainly) for each in case.decisions]
         known = definitions.condition(case.asked)
