@@ -110,8 +110,11 @@ def _has_opposites(parts: Collection[Formula]) -> bool:
 def quantified(exists: bool, variables: Iterable[Variable], part: Formula) -> Formula:
     """The quantified formula; a variable that `part` does not mention is left out, as if there were an object
     of its type. Parts that mention none of the variables stand outside of the quantifier."""
+    variables = tuple(variables)
+    if not variables:
+        return part
     free = free_variables(part)
-    bound = tuple(variable for variable in variables if variable in free)
+    bound = tuple([variable for variable in variables if variable in free])
     if not bound:
         return part
     if exists and isinstance(part, Both):
@@ -189,20 +192,19 @@ def apart(variable: Variable, met: Iterable[Term]) -> Variable:
 
 
 class Known:
-    """Formulas that hold somewhere. What follows from them is worked out once, when it is first asked for."""
+    """Formulas that hold somewhere. They are looked through when that is first asked for, and once."""
 
     def __init__(self, formulas: Iterable[Formula]) -> None:
         self.formulas = tuple(formulas)
-        self._decided: tuple[set[Formula], set[Formula]] | None = None
+        self._parts: frozenset[Formula] | None = None
 
     def left_of(self, formula: Formula) -> Formula:
         """What is left of a formula where they hold."""
         if formula in (ALWAYS, NEVER):
             return formula
-        if self._decided is None:
-            holds = set(_flat(self.formulas, Both))
-            self._decided = holds | {ALWAYS}, {negated(each) for each in holds} | {NEVER}
-        return _left_of(formula, *self._decided)
+        if self._parts is None:
+            self._parts = frozenset(_flat(self.formulas, Both))
+        return _left_of(formula, self._parts)
 
 
 def assuming(formula: Formula, known: Iterable[Formula]) -> Formula:
@@ -210,16 +212,14 @@ def assuming(formula: Formula, known: Iterable[Formula]) -> Formula:
     return Known(known).left_of(formula)
 
 
-def _left_of(formula: Formula, holds: set[Formula], fails: set[Formula]) -> Formula:
-    if formula in holds:
+def _left_of(formula: Formula, known: frozenset[Formula]) -> Formula:
+    if formula in known:
         return ALWAYS
-    if formula in fails:
+    if negated(formula) in known:
         return NEVER
     match formula:
         case Both(parts):
-            return both(_left_of(part, holds, fails) for part in parts)
+            return both([_left_of(part, known) for part in parts])
         case Either(parts):
-            return either(_left_of(part, holds, fails) for part in parts)
-        case Quantified():
-            return formula
+            return either([_left_of(part, known) for part in parts])
     return formula

@@ -116,8 +116,9 @@ def _either_way(
     """The tree and what is known where a condition holds, and where it does not, as far as that can be."""
     for holds in (True, False):
         asked = condition if holds else negated(condition)
-        if not _excluded(asked, known, types):
-            yield holds, _with_one_name(tree, (*known, *_parts(asked)), types)
+        inner = _with_one_name(tree, (*known, *_parts(asked)), types)
+        if both(inner[1]) != NEVER:
+            yield holds, inner
 
 
 def _undivided(tree: Tree, known: tuple[Formula, ...], types: Types, never_both: NeverBoth) -> Case:
