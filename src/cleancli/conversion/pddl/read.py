@@ -5,7 +5,7 @@ That names are declared and fit is checked in `declared`.
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 
 from cleancli.conversion.pddl.read_conditions import Reader, Unreadable
 from cleancli.conversion.pddl.read_effects import are_facts, effect_of, initial_of
@@ -41,6 +41,10 @@ _UNSAID = {
 """What PDDL has, PPDDL does not, and is not converted."""
 
 
+_Sections = Mapping[str, Sequence[Group]]
+"""The sections of a domain or problem by the word that they begin with."""
+
+
 def read(source: Source, findings: Findings) -> tuple[tuple[DomainNode, ...], tuple[ProblemNode, ...]]:
     """The domains and problems of a text; E915 and E917 for what cannot be read, W911 for what was mended."""
     reader = Reader(source.path, findings)
@@ -48,7 +52,7 @@ def read(source: Source, findings: Findings) -> tuple[tuple[DomainNode, ...], tu
     for name, sections in _definitions(groups_of(source.text, source.path, findings), reader):
         is_domain = name.head == "domain"
         known = _DOMAIN_SECTIONS if is_domain else _PROBLEM_SECTIONS
-        kept = [section for section in sections if _is_known(section, known, reader)]
+        kept = _by_head([section for section in sections if _is_known(section, known, reader)])
         try:
             if is_domain:
                 domains.append(_domain(name, kept, reader))
@@ -96,25 +100,34 @@ def _is_known(section: Group, known: Sequence[str], reader: Reader) -> bool:
     return head in known and head not in _PASSED_OVER
 
 
+def _by_head(sections: Sequence[Group]) -> _Sections:
+    found: dict[str, list[Group]] = {}
+    for section in sections:
+        found.setdefault(section.head, []).append(section)
+    return found
+
+
+def _items(sections: _Sections, head: str) -> list[Node]:
+    """What stands in all sections that begin with a word."""
+    return [item for section in sections.get(head, ()) for item in section.items[1:]]
+
+
 def _named(name: Group, reader: Reader) -> Name:
     if len(name.items) != 2:
         raise Unreadable(f"expected `({name.head} NAME)`", reader.span(name))
     return reader.name(name.items[1], "a name")
 
 
-def _domain(name: Group, sections: list[Group], reader: Reader) -> DomainNode:
-    def of(head: str) -> list[Node]:
-        return [item for section in sections if section.head == head for item in section.items[1:]]
-
-    predicates = tuple(_signatures(of(":predicates"), reader))
+def _domain(name: Group, sections: _Sections, reader: Reader) -> DomainNode:
+    predicates = tuple(_signatures(_items(sections, ":predicates"), reader))
     reader.without_terms = frozenset(each.name.text for each in predicates if not each.parameters)
-    actions = (_action(section, reader) for section in sections if section.head == ":action")
+    actions = (_action(section, reader) for section in sections.get(":action", ()))
     return DomainNode(
         _named(name, reader),
-        reader.typed(of(":types")),
-        reader.objects(of(":constants")),
+        reader.typed(_items(sections, ":types")),
+        reader.objects(_items(sections, ":constants")),
         predicates,
-        tuple(_signatures(of(":functions"), reader)),
+        tuple(_signatures(_items(sections, ":functions"), reader)),
         tuple(action for action in actions if action is not None),
         span=reader.span(name),
     )
@@ -185,30 +198,27 @@ def _keyed(items: Sequence[Node], reader: Reader) -> dict[str, Node]:
 # ---- problems
 
 
-def _problem(name: Group, sections: list[Group], reader: Reader) -> ProblemNode:
+def _problem(name: Group, sections: _Sections, reader: Reader) -> ProblemNode:
     def last(head: str) -> Node | None:
         """The one thing that a section holds."""
-        found = [section for section in sections if section.head == head]
+        found = sections.get(head)
         if not found:
             return None
         if len(found[-1].items) < 2:
             raise Unreadable(f"nothing stands behind `{head}`", reader.span(found[-1]))
         return found[-1].items[1]
 
-    def of(head: str) -> list[Node]:
-        return [item for section in sections if section.head == head for item in section.items[1:]]
-
-    facts, values = _init([section for section in sections if section.head == ":init"], reader)
+    facts, values = _init(sections.get(":init", ()), reader)
     domain, goal = last(":domain"), last(":goal")
     rewarded, surely = last(":goal-reward"), last(":goal-probability")
     return ProblemNode(
         _named(name, reader),
         None if domain is None else reader.name(domain, "the name of a domain"),
-        reader.objects(of(":objects")),
+        reader.objects(_items(sections, ":objects")),
         facts,
         values,
         None if goal is None else _goal(goal, reader),
-        _metric(of(":metric"), reader),
+        _metric(_items(sections, ":metric"), reader),
         None if rewarded is None else reader.number(rewarded, "a reward"),
         None if surely is None else reader.number(surely, "a probability"),
         span=reader.span(name),

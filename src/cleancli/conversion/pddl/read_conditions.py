@@ -41,6 +41,10 @@ _UNSAID = {
 """What PDDL3 has and is not converted, by the word that it begins with; of objects it is a predicate."""
 
 
+_FORMS = frozenset({"", "and", "or", "not", "imply", "exists", "forall", "=", *_COMPARES, *_UNSAID})
+"""What conditions begin with that are no atoms; a group that begins with no word is none either."""
+
+
 class Unreadable(Exception):
     """What stands somewhere is not what PPDDL has there; by `code` E917 what .nid files cannot say."""
 
@@ -92,7 +96,8 @@ class Reader:
 
     def name(self, node: Node, wanted: str) -> Name:
         """A name or the name of a variable."""
-        return name_of(self.word(node, wanted), self.path)
+        word = self.word(node, wanted)
+        return Name(word.text, self.path, word.start)
 
     def group(self, node: Node, wanted: str) -> Group:
         """A group in parentheses."""
@@ -122,30 +127,34 @@ class Reader:
     ) -> Iterator[tuple[tuple[Word, ...], tuple[Name, ...]]]:
         """The names before each type with it, and those at the end that have none."""
         waiting: list[Word] = []
-        place = 0
-        while place < len(items):
-            item = items[place]
-            if isinstance(item, Word) and item.text.startswith("-") and waiting:
-                place += 1
-                if item.text != "-":
-                    self.mended(f"no blank stands behind `-` in `{item.text}`", item, "taken as a type")
-                    node: Node = Word(item.text[1:], item.start + 1)
-                elif place < len(items):
-                    node = items[place]
-                    place += 1
-                else:
-                    raise Unreadable("no type stands behind this", self.span(item))
-                yield tuple(waiting), self._types(node)
-                waiting = []
-                continue
+        rest = iter(items)
+        for item in rest:
+            if isinstance(item, Word):
+                sign = item.text[0]
+                if sign == "?" if variables else sign not in "?-:":  # as almost all
+                    waiting.append(item)
+                    continue
+                if sign == "-" and waiting:
+                    yield tuple(waiting), self._types(self._behind(item, rest))
+                    waiting = []
+                    continue
             word = self.word(item, "a variable" if variables else "a name")
             if (word.text[0] == "?") != variables:
                 what = "is no variable: write `?` before it" if variables else "is a variable"
                 raise Unreadable(f"`{word.text}` {what}", self.span(word))
             waiting.append(word)
-            place += 1
         if waiting:
             yield tuple(waiting), ()
+
+    def _behind(self, dash: Word, rest: Iterator[Node]) -> Node:
+        """What stands behind the `-` before a type."""
+        if dash.text != "-":
+            self.mended(f"no blank stands behind `-` in `{dash.text}`", dash, "taken as a type")
+            return Word(dash.text[1:], dash.start + 1)
+        node = next(rest, None)
+        if node is None:
+            raise Unreadable("no type stands behind this", self.span(dash))
+        return node
 
     def _types(self, node: Node) -> tuple[Name, ...]:
         if isinstance(node, Word):
@@ -160,7 +169,10 @@ class Reader:
         """A condition; `()` always holds."""
         if isinstance(node, Word):
             return self.bare(node, "a condition")
-        span, head, parts = self.span(node), node.head, node.items[1:]
+        head = node.head
+        if head not in _FORMS:
+            return self.atom(node)
+        span, parts = self.span(node), node.items[1:]
         if not node.items:
             return AndNode((), span=span)
         match head:
@@ -199,7 +211,7 @@ class Reader:
         name = self.name(group.items[0] if group.items else group, "the name of a predicate")
         if name.is_variable:
             raise Unreadable(f"expected the name of a predicate, but there is `{name.text}`", name.span)
-        terms = tuple(self.name(term, "an object or a variable") for term in group.items[1:])
+        terms = tuple([self.name(term, "an object or a variable") for term in group.items[1:]])
         return AtomNode(name, terms, span=Span(self.path, group.start, group.end))
 
     def bare(self, word: Word, wanted: str) -> AtomNode:

@@ -28,13 +28,18 @@ ROUNDING_ERROR = Fraction(1, 10**12)
 _ASSIGNS = frozenset({"assign", "scale-up", "scale-down"})
 _EFFECTS = frozenset({"and", "not", "when", "forall", "probabilistic", "increase", "decrease"})
 _NO_PREDICATES = _CONDITIONS | _ASSIGNS | _EFFECTS
+_FORMS = _NO_PREDICATES | {"", "oneof"}
+"""What effects begin with that set no atom; a group that begins with no word sets none either."""
 
 
 def effect_of(node: Node, reader: Reader) -> EffectNode:
     """An effect; `()` changes nothing. Raises `Unreadable`."""
     if isinstance(node, Word):
         return SetNode(reader.bare(node, "an effect"), True, span=reader.span(node))
-    span, head, parts = reader.span(node), node.head, node.items[1:]
+    span, head = reader.span(node), node.head
+    if head not in _FORMS:
+        return SetNode(reader.atom(node), True, span=span)
+    parts = node.items[1:]
     if not node.items:
         return AllNode((), span=span)
     match head:

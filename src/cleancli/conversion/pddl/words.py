@@ -28,6 +28,7 @@ _PIECE = re.compile(rf"\(\s*+:init\s(?:\s*+{_ATOM})*+\s*+\)|\([^()]*\)|[()]|[^\s
 _WORD = re.compile(r"\S+")
 _NAMES = re.compile(_ATOM)
 _INNER = re.compile(r"\(([^()]*)\)")
+_HEAD = re.compile(r"\(\s*+([^\s()]*+)")
 _SECTION_DEPTH = 2
 """How many groups are open where `define` and one section are."""
 
@@ -84,7 +85,8 @@ class Group:
     def head(self) -> str:
         """The word that it begins with; empty where it does not begin with a word."""
         if self._items is None:
-            return next(iter(self._text[1:-1].split(None, 1)), "")
+            found = _HEAD.match(self._text)
+            return found[1] if found else ""
         first = self.items[0] if self.items else None
         return first.text if isinstance(first, Word) else ""
 
