@@ -327,7 +327,8 @@ def renamed(tree: Tree, terms: Mapping[Term, Term], may_be_one: MayBeOne) -> Tre
     match tree:
         case Change():
             guard = substituted(tree.guard, terms, may_be_one)
-            return replace(tree, guard=guard, terms=tuple(terms.get(term, term) for term in tree.terms))
+            changed = tuple([terms.get(term, term) for term in tree.terms])
+            return Change(tree.variables, guard, tree.symbol, changed, tree.value)
         case All(parts):
             return All(tuple(renamed(part, terms, may_be_one) for part in parts))
         case Branch(condition, part):

@@ -33,10 +33,11 @@ class Naming:
 
     def of_text(self, text: str, path: str, start: int, initial: str) -> str:
         """As `of`, for a name that stands in the file at `path`."""
-        if text not in self._given:
+        given = self._given.get(text)
+        if given is None:
             written = self._sources[path].text[start : start + len(text)]
-            self._given[text] = self.fresh(written, initial)
-        return self._given[text]
+            given = self._given[text] = self.fresh(written, initial)
+        return given
 
     def fresh(self, wanted: str, initial: str = "n") -> str:
         """The wanted name, with underscores behind it while it is taken."""
@@ -56,6 +57,6 @@ def readable(name: str, initial: str) -> str:
     changed = name.removeprefix("?")
     if not (changed.isascii() and changed.isidentifier()):
         changed = _SIGN.sub("_", changed)
-    if not changed or changed[0].isdigit():
-        return f"{initial}{changed}"
+        if not changed or changed[0].isdigit():
+            return f"{initial}{changed}"
     return f"{changed}_" if changed in RESERVED else changed

@@ -119,7 +119,7 @@ class Words:
     def everything(self) -> tuple[Object, ...]:
         """The constants and the objects of all problems, each once."""
         found = [*self.constants.values(), *(thing for each in self.objects for thing in each.values())]
-        return tuple(dict.fromkeys(found))
+        return tuple(dict.fromkeys(found) if len(self.objects) > 1 else found)
 
     def _declared(
         self, nodes: Iterable[ObjectsNode], path: str, constants: Mapping[str, Object]
@@ -191,7 +191,8 @@ class Words:
             self.findings.error("E916", f"`{name}` takes {takes}, not {len(terms)}", atom.span)
             return Predicate(predicate.name, (), [])
         for place, term in enumerate(terms):
-            self._fit(predicate, place, term, atom)
+            if term.type != predicate.types[place]:
+                self._fit(predicate, place, term, atom)
         return predicate
 
     def _undeclared(self, atom: AtomNode, terms: Sequence[Term]) -> Predicate:
@@ -243,7 +244,7 @@ class Words:
 
     def atom(self, node: AtomNode, scope: Scope) -> tuple[str, tuple[Term, ...]] | None:
         """The predicate and terms of an atom; None after a mistake."""
-        terms = [term for term in (self.term(each, scope) for each in node.terms) if term is not None]
+        terms = [term for each in node.terms if (term := self.term(each, scope)) is not None]
         if len(terms) < len(node.terms):
             return None
         predicate = self.predicate(node, terms)

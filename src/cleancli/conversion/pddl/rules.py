@@ -237,7 +237,8 @@ def _settled(result: Result, meetings: list[list[Formula]]) -> Result:
         guard = both([change.guard, *map(negated, meets)])
         if guard != NEVER:
             kept.append(change if guard == change.guard else replace(change, guard=guard))
-    return replace(result, changes=tuple(kept))
+    changes = tuple(kept)
+    return result if changes == result.changes else replace(result, changes=changes)
 
 
 def _adding(change: Change, changes: tuple[Change, ...]) -> Iterator[Change]:
@@ -248,6 +249,9 @@ def _adding(change: Change, changes: tuple[Change, ...]) -> Iterator[Change]:
 
 def _meeting(change: Change, other: Change, known: Known, types: Types) -> Formula:
     """Under what the other change adds what this one deletes, where this one is made."""
+    if not other.variables:
+        same = (equality(*pair, types.may_be_one) for pair in zip(other.terms, change.terms, strict=True))
+        return _where(both([other.guard, *same]), change, known, types)
     met: list[Term] = [*change.variables, *change.terms, *free_variables(change.guard)]
     names: dict[Term, Term] = {}
     for variable in other.variables:
@@ -263,10 +267,17 @@ def _meeting(change: Change, other: Change, known: Known, types: Types) -> Formu
         else:
             asked.append(equality(stands.get(own, own), place, types.may_be_one))
     left = [one for one in bound - stands.keys() if isinstance(one, Variable)]
-    inner = both(substituted(part, stands, types.may_be_one) for part in asked)
+    inner = both([substituted(part, stands, types.may_be_one) for part in asked])
+    return _where(quantified(True, sorted(left), inner), change, known, types)
+
+
+def _where(formula: Formula, change: Change, known: Known, types: Types) -> Formula:
+    """What is left of a formula where a change is made; never true where it can't hold there."""
+    if formula == NEVER:
+        return NEVER
     guard = _parts(change.guard)
     here = Known([*known.formulas, *guard]) if guard else known
-    meets = here.left_of(quantified(True, sorted(left), inner))
+    meets = here.left_of(formula)
     return NEVER if meets != NEVER and _excluded(meets, here.formulas, types) else meets
 
 

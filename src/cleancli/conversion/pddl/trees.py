@@ -85,9 +85,10 @@ class _Tree:
         self._terms: dict[Term, syntax.TermNode] = {}
 
     def name(self, text: str) -> syntax.Name:
-        if text not in self._names:
-            self._names[text] = syntax.Name(text, span=self._place)
-        return self._names[text]
+        found = self._names.get(text)
+        if found is None:
+            found = self._names[text] = syntax.Name(text, span=self._place)
+        return found
 
     def number(self, value: Fraction) -> syntax.Number:
         return syntax.Number(value, value.denominator == 1, span=self._place)
@@ -222,6 +223,8 @@ class _Tree:
         return syntax.Application(self.name(symbol), tuple(map(self._term, terms)), span=self._place)
 
     def _term(self, term: Term) -> syntax.TermNode:
-        if term not in self._terms:
-            self._terms[term] = syntax.TermNode(term.name, isinstance(term, Variable), span=self._place)
-        return self._terms[term]
+        found = self._terms.get(term)
+        if found is None:
+            found = syntax.TermNode(term.name, isinstance(term, Variable), span=self._place)
+            self._terms[term] = found
+        return found

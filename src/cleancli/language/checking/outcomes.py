@@ -155,6 +155,8 @@ def _outcome(
 
 def _marks(weight: syntax.Weight, scope: Scope) -> tuple[Fraction | None, Fraction | None, bool]:
     """The prior, how often the outcome was seen, and whether the learner leaves it alone."""
+    if not weight.marks:
+        return None, None, False
     prior = mark_of(syntax.Prior, weight.marks, scope.findings)
     if prior is not None and isinstance(weight.chance, syntax.Rest):
         help = "remove it: what the priors of the others leave is the prior of `rest`"

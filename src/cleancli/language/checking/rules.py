@@ -71,6 +71,8 @@ def _references(node: syntax.RuleNode, scope: Scope) -> tuple[tuple[Reference, .
 def _warn_unused_references(
     node: syntax.RuleNode, references: tuple[Reference, ...], outcomes: tuple[Outcome, ...], scope: Scope
 ) -> None:
+    if not references:
+        return
     used = [term for outcome in outcomes for effect in outcome.effects for term in _effect_terms(effect)]
     used += [term for reference in references for term in terms_of(reference.condition)]
     for item in node.references:
