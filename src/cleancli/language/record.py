@@ -40,17 +40,21 @@ class Record(metaclass=_RecordType):
 
     def __init__(self, *values: object, **named: object) -> None:
         kind = type(self)
-        if named or len(values) != len(kind._fields):
-            if kind._fields[len(values) :] == tuple(named):
-                values += tuple(named.values())
-            else:
-                values = kind._with_defaults(values, named)
-        for put, value in zip(kind._setters, values, strict=True):
+        setters = kind._setters
+        missing = len(setters) - len(values)
+        if missing == len(named) == 1 and kind._fields[-1] in named:  # as the span of a node
+            setters[-1](self, named[kind._fields[-1]])
+        elif missing or named:
+            values = kind._in_order(values, named)
+        for put, value in zip(setters, values):  # noqa: B905 (the last may be set already)
             put(self, value)
 
     @classmethod
-    def _with_defaults(cls, values: tuple[object, ...], named: dict[str, object]) -> tuple[object, ...]:
+    def _in_order(cls, values: tuple[object, ...], named: dict[str, object]) -> tuple[object, ...]:
         """The values of all fields in their order."""
+        missing = cls._fields[len(values) :]
+        if missing and missing == tuple(named):
+            return (*values, *named.values())
         rest = [named.pop(name, default) for name, default in cls._defaults[len(values) :]]
         if named or len(values) > len(cls._fields) or [value for value in rest if value is MISSING]:
             raise TypeError(f"{cls.__name__} is made of {', '.join(cls._fields)}")

@@ -9,7 +9,8 @@ from __future__ import annotations
 
 import re
 import string
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
+from functools import partial
 from typing import NamedTuple
 
 from cleancli.language.diagnostics.diagnostic import Span
@@ -45,6 +46,10 @@ class Word(NamedTuple):
         return self.start + len(self.text)
 
 
+_word: Callable[[tuple[str, int]], Word] = partial(tuple.__new__, Word)
+"""Makes a word in half the time that its class takes: a file has thousands."""
+
+
 class Group:
     """What stands between two parentheses, and where these stand: several `items`, or a `text`, with its
     parentheses, of words alone, or of one word and groups of words."""
@@ -64,7 +69,7 @@ class Group:
             start, text = self.start, self._text
             inner = text.find("(", 1)
             words = _WORD.finditer(text, 1, len(text) - 1 if inner < 0 else inner)
-            self._items = tuple([Word(match[0], start + match.start()) for match in words])
+            self._items = tuple([_word((match[0], start + match.start())) for match in words])
             if inner > 0:
                 groups = _INNER.finditer(text, inner)
                 self._items += tuple([Group(start + m.start(), start + m.end(), text=m[0]) for m in groups])
@@ -127,7 +132,7 @@ def groups_of(text: str, path: str, findings: Findings) -> tuple[Group, ...]:
                 opened = stack.pop()
                 stack[-1].items.append(Group(opened.start, start + 1, tuple(opened.items)))
         else:
-            stack[-1].items.append(Word(piece, start))
+            stack[-1].items.append(_word((piece, start)))
         last = match.end()
     _close(stack, 1, last, path, findings)
     if surplus:

@@ -82,7 +82,7 @@ def _rest(nodes: tuple[syntax.OutcomeNode, ...], header: Span, scope: Scope) -> 
         _refuse_sum(total, span, scope)
     for extra in rests[1:]:
         scope.findings.error("E303", "a second `rest`", extra.span, help="only one outcome can take the rest")
-    return max(Fraction(0), 1 - total)
+    return max(Fraction(0), 1 - total) if rests else Fraction(0)
 
 
 def _refuse_sum(total: Fraction, span: Span, scope: Scope) -> None:
