@@ -9,6 +9,7 @@ from random import Random
 import pytest
 
 from support.differential.abstract import (
+    FREE,
     AnyOf,
     Closure,
     Comparison,
@@ -20,6 +21,7 @@ from support.differential.abstract import (
     ForEach,
     Literal,
     Part,
+    Price,
     Problem,
     Rule,
     Shift,
@@ -81,10 +83,10 @@ def constructs_of_rules(domain: Domain) -> Iterator[str]:
         yield f"{len(rule.outcomes)} outcomes"
         for outcome in rule.outcomes:
             yield f"outcome {outcome.idle or 'change'}"
-            yield from (f"reward {'+' if outcome.reward > 0 else '-'}=" for _ in range(bool(outcome.reward)))
-            yield from ("cost +=" for _ in range(bool(outcome.cost)))
-            pays_alone = (outcome.reward or outcome.cost) and not outcome.effects
-            yield from ("an outcome that only pays" for _ in range(bool(pays_alone)))
+            pays = (outcome.reward, outcome.cost) != (FREE, FREE)
+            yield from ("an outcome that only pays" for _ in range(pays and not outcome.effects))
+            yield from constructs_of_prices("reward", outcome.reward, rule)
+            yield from constructs_of_prices("outcome's cost", outcome.cost, rule)
             yield f"probability {'number' if outcome.said[0].isdigit() else outcome.said}"
             yield from (word for word in ("prior", "seen", "fixed") if word in outcome.marks)
             yield from ("rest counted" for _ in range(outcome.said == "rest" and "seen" in outcome.marks))
@@ -97,6 +99,24 @@ def constructs_of_rules(domain: Domain) -> Iterator[str]:
             if isinstance(effect, ForEach):
                 kind = "forall" if effect.variables else "if"
                 yield f"{kind} of {len(effect.settings)} effects, guarded {bool(effect.guard)}"
+
+
+def constructs_of_prices(what: str, price: Price, rule: Rule | None = None) -> Iterator[str]:
+    signs = [
+        "-" if number < 0 else "+" for number in (price.number, *(p.weight for p in price.parts)) if number
+    ]
+    yield from (f"{what} {sign}=" for sign in signs)
+    yield from (f"{what} of both signs" for _ in range(len(set(signs)) > 1))
+    yield from (f"{what} of a number and functions" for _ in range(bool(price.number and price.parts)))
+    yield from (f"{what} of {len(price.parts)} functions" for _ in range(bool(price.parts)))
+    symbols = [part.symbol for part in price.parts]
+    yield from (f"{what} by one function twice" for _ in range(len(symbols) > len(set(symbols))))
+    referred = {each.name for reference in (rule.references if rule else ()) for each in reference.variables}
+    for part in price.parts:
+        yield f"{what} by a function of {len(part.terms)}"
+        yield from (f"{what} by a constant" for term in part.terms if not term.startswith("?"))
+        yield from (f"{what} by a reference" for term in part.terms if term in referred)
+        yield f"{what}, weight {'1' if abs(part.weight) == 1 else '0' if not part.weight else 'another'}"
 
 
 def constructs_of_declarations(domain: Domain, problem: Problem) -> Iterator[str]:
@@ -113,6 +133,7 @@ def constructs_of_declarations(domain: Domain, problem: Problem) -> Iterator[str
     for action in domain.actions:
         yield f"action of {len(action.parameters)}"
         yield f"duration {action.duration is not None}, cost {action.cost is not None}"
+        yield from constructs_of_prices("cost", action.cost or FREE)
     for payment in domain.reward:
         yield f"{payment.kind} {'+' if payment.weight > 0 else '-' if payment.weight < 0 else '0'}"
     yield from ("waiting" for rule in domain.rules if not any(effects_of(rule)))
@@ -159,7 +180,19 @@ EXPECTED = (
     *(f"action of {number}" for number in (0, 1, 2)),
     *(f"duration {timed}, cost {paid}" for timed in (True, False) for paid in (True, False)),
     *(f"{kind} {sign}" for kind in ("decrease", "count", "goal", "cost") for sign in "+-"),
-    *("reward +=", "reward -=", "cost +=", "an outcome that only pays"),
+    *("reward +=", "reward -=", "outcome's cost +=", "an outcome that only pays", "reward of both signs"),
+    *(
+        f"{what} {kind}"
+        for what in ("cost", "reward", "outcome's cost")
+        for kind in (
+            *("of a number and functions", "by one function twice", "by a constant"),
+            *(f"of {number} functions" for number in (1, 2, 3)),
+            *(f"by a function of {number}" for number in (0, 1, 2)),
+        )
+    ),
+    *(f"{what}, weight {weight}" for what in ("cost", "reward") for weight in ("1", "another")),
+    *("reward by a reference", "outcome's cost by a reference"),
+    "cost, weight 0",
     *("waiting", "include", "types below types", "constants", "a type without objects"),
     *(f"default {default}" for default in (None, "1: nothing", "1: noise", "rest: noise", COUNTED)),
     *(f"discount {discount}" for discount in (None, "0", "1", "0.5")),

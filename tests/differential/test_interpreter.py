@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from fractions import Fraction
 
 import pytest
@@ -13,6 +14,8 @@ from support.differential.abstract import (
     ForEach,
     Outcome,
     Payment,
+    Price,
+    Priced,
     Problem,
     Rule,
     SetTruth,
@@ -176,3 +179,25 @@ def test_two_equal_values_are_fine_and_two_rules_are_not() -> None:
     again = meaning((both, Rule("other", "both", (A, B), (), (), both.outcomes)), ())
     with pytest.raises(TwoRules):
         again.successors(("both", ("a1", "a1")), again.initial())
+
+
+def test_prices_are_counted_with_the_values_for_objects() -> None:
+    """Docking costs 1 + 2 * far(?a, ?b), and their outcome pays far(?b, ?b) less half of far(?a, ?b)."""
+    far = Symbol("far", ("area", "area"), tuple(range(10)), static=True)
+    farther = Price(Fraction(1), (Priced(Fraction(2), "far", ("?a", "?b")),))
+    pays = Price(
+        parts=(Priced(Fraction(1), "far", ("?b", "?b")), Priced(Fraction(-1, 2), "far", ("?a", "?b")))
+    )
+    earned = Outcome(Fraction(1), "1", "", (), reward=pays, cost=Price(Fraction(3)))
+    pairs = {("a1", "a1"): 0, ("a1", "a2"): 5, ("a2", "a1"): 7, ("a2", "a2"): 4}
+    facts = tuple((("far", pair), value) for pair, value in pairs.items())
+    reward = (Payment(Fraction(-10), "cost"),)
+    of_areas = meaning(
+        (rule("dock", earned, of=(A, B)),), reward, symbols=(far,), areas=("a1", "a2"), facts=facts
+    )
+    costly = replace(of_areas.domain, counts=(), actions=(Action("dock", (A, B), None, farther),))
+    worth = Worth(Meaning(costly, of_areas.problem))
+    start = worth.meaning.initial()
+    assert worth.meaning.cost(("dock", ("a1", "a2")), start) == 11
+    assert worth.results(start, ("dock", ("a1", "a2"))) == [(1, start, -110 + 4 - Fraction(5, 2) - 30)]
+    assert worth.results(start, ("dock", ("a2", "a1"))) == [(1, start, -150 + 0 - Fraction(7, 2) - 30)]

@@ -60,16 +60,16 @@ class Case:
     cost: Values
 
 
-def cost_of(meaning: Meaning, objective: str) -> dict[str, float]:
-    """What each action costs by an objective."""
+def cost_of(meaning: Meaning, objective: str) -> dict[Call, float]:
+    """What each action costs by an objective; functions that cost are static."""
     match objective:
         case "time":
             worth = Worth(meaning)
-            return {name: worth.duration(name) for name in meaning.actions}
+            return {call: worth.duration(call[0]) for call in meaning.calls()}
         case "cost":
-            return {name: float(action.cost or 0) for name, action in meaning.actions.items()}
+            return {call: float(meaning.cost(call, meaning.initial())) for call in meaning.calls()}
         case _:
-            return dict.fromkeys(meaning.actions, 1.0)
+            return dict.fromkeys(meaning.calls(), 1.0)
 
 
 def objective_of(seed: int, meaning: Meaning) -> str:
@@ -77,7 +77,7 @@ def objective_of(seed: int, meaning: Meaning) -> str:
     actions = meaning.actions.values()
     if seed % 4 == 1 and all(action.duration is not None for action in actions):
         return "time"
-    return "cost" if seed % 4 > 1 and any(float(action.cost or 0) for action in actions) else "probability"
+    return "cost" if seed % 4 > 1 and any(cost_of(meaning, "cost").values()) else "probability"
 
 
 def case(seed: int, found: tuple[Domain, Problem] | None, folder: Path) -> Case | None:

@@ -135,6 +135,26 @@ class ForEach:
 
 
 @dataclass(frozen=True, slots=True)
+class Priced:
+    """`weight`, which may be below 0 where an outcome pays, times the value of a static function."""
+
+    weight: Fraction
+    symbol: str
+    terms: tuple[str, ...]
+
+
+@dataclass(frozen=True, slots=True)
+class Price:
+    """A number and what functions come to, in any order, one perhaps several times."""
+
+    number: Fraction = Fraction(0)
+    parts: tuple[Priced, ...] = ()
+
+
+FREE = Price()
+
+
+@dataclass(frozen=True, slots=True)
 class Outcome:
     """`said` is how the probability is written: a number, `rest`, or the name of a shared parameter."""
 
@@ -144,8 +164,8 @@ class Outcome:
     effects: tuple[Setting | ForEach, ...]
     idle: str = ""
     """`nothing` or `noise`, where there are no effects and nothing is paid."""
-    reward: Fraction = Fraction(0)
-    cost: Fraction = Fraction(0)
+    reward: Price = FREE
+    cost: Price = FREE
     """What it pays, and what it adds to what its action costs."""
 
 
@@ -174,7 +194,7 @@ class Action:
     parameters: tuple[Variable, ...]
     duration: str | None
     """With its unit, as it is written."""
-    cost: str | None
+    cost: Price | None
 
 
 @dataclass(frozen=True, slots=True)

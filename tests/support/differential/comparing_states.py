@@ -76,7 +76,7 @@ def compare_explanations(
                 (
                     outcome.probability,
                     outcome.idle or "change",
-                    (outcome.reward, outcome.cost),
+                    tuple(meaning.price(each, state, binding) for each in (outcome.reward, outcome.cost)),
                     {
                         (*meaning.key(symbol, objects), value)
                         for (symbol, objects), value in meaning.changes(outcome, binding, state).items()

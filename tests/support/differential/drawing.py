@@ -22,9 +22,11 @@ from support.differential.abstract import (
     Equality,
     Every,
     Exists,
+    Key,
     Literal,
     Part,
     Payment,
+    Price,
     Problem,
     Reference,
     Rule,
@@ -34,6 +36,7 @@ from support.differential.abstract import (
     Variable,
 )
 from support.differential.outcomes_drawn import OutcomeDrawer
+from support.differential.prices_drawn import price_drawer
 
 Variables = tuple[Variable, ...]
 OPPOSITE = {"=": "!=", "!=": "=", "<": ">=", ">=": "<", ">": "<=", "<=": ">"}
@@ -276,12 +279,16 @@ class Drawer:
         made = []
         for index in range(self.random.choice((2, 2, 3))):
             duration = self.random.choice(("1 s", "2.5 s", "4 s", "0.1 min", "10 s")) if timed else None
-            cost = self.random.choice(("0", "0.1", "1", "0.25")) if self.often(0.4) else None
+            cost = self.cost(("0", "0.1", "1", "0.25")) if self.often(0.4) else None
             parameters = self.fresh(self.random.choice((0, 1, 1, 1, 2)))
             made.append(Action(f"a{index}", parameters, duration, cost))
         if self.often(0.3):
-            made.append(Action("wait", (), "3 s" if timed else None, self.random.choice((None, "0.2"))))
+            made.append(Action("wait", (), "3 s" if timed else None, self.cost((None, "0.2"))))
         return tuple(made)
+
+    def cost(self, numbers: Sequence[str | None]) -> Price | None:
+        chosen = self.random.choice(numbers)
+        return None if chosen is None else Price(Fraction(chosen))
 
     def rules(
         self, actions: tuple[Action, ...], shared: tuple[tuple[str, str, str], ...]
@@ -375,7 +382,7 @@ class Drawer:
         return tuple(terms)
 
     def problem(self, domain: Domain) -> Problem:
-        facts = self.facts()
+        facts = self.facts(self.symbols, self.random)
         goal: tuple[Part, ...] = ()
         if any(payment.kind == "goal" for payment in domain.reward) or self.often(0.3):
             self.constants = (*self.constants, *self.objects)
@@ -388,11 +395,12 @@ class Drawer:
         discount = self.random.choice((None, "0", "1", "1", "0.9", "0.5", "0.375", "1.0"))
         return Problem("drawn_problem", tuple(self.objects), facts, goal, horizon, discount)
 
-    def facts(self) -> tuple[tuple[tuple[str, tuple[str, ...]], Value], ...]:
-        made: dict[tuple[str, tuple[str, ...]], Value] = {}
+    def facts(self, symbols: Sequence[Symbol], random: Random) -> tuple[tuple[Key, Value], ...]:
+        """Values of symbols, in any order."""
+        made: dict[Key, Value] = {}
         every = [*self.constants, *self.objects]
-        for symbol in self.symbols:
-            likely = self.random.choice((0.2, 0.5, 0.8))
+        for symbol in symbols:
+            likely = random.choice((0.2, 0.5, 0.8))
             tuples: list[tuple[str, ...]] = [()]
             for kind in symbol.kinds:
                 fitting = [each.name for each in every if self.below(each.kind, kind)]
@@ -400,10 +408,10 @@ class Drawer:
             for terms in tuples:
                 key = (symbol.name, tuple(sorted(terms)) if symbol.symmetric else terms)
                 made.setdefault(
-                    key, self.random.choice(symbol.values) if symbol.values else self.often(likely)
+                    key, random.choice(symbol.values) if symbol.values else random.random() < likely
                 )
         facts = list(made.items())
-        self.random.shuffle(facts)
+        random.shuffle(facts)
         return tuple(facts)
 
 
@@ -444,21 +452,24 @@ def draw(seed: int) -> tuple[Domain, Problem]:
     )
     actions = drawer.actions()
     rules = drawer.rules(actions, shared)
+    prices, functions = price_drawer(drawer, Random(f"prices of {seed}"))
+    values = drawer.facts(functions, prices.random)
     used = {outcome.said for rule in rules for outcome in rule.outcomes}
     domain = Domain(
         name="drawn",
         kinds=drawer.kinds,
         constants=drawer.constants,
-        symbols=drawer.symbols,
+        symbols=(*drawer.symbols, *functions),
         derived=drawer.derived,
         counts=counts,
         shared=tuple(each for each in shared if each[0] in used or drawer.often(0.1)),
-        actions=actions,
-        rules=rules,
+        actions=tuple(map(prices.action, actions)),
+        rules=tuple(map(prices.rule, rules)),
         default=random.choice(
             (None, None, "1: nothing", "1: noise", "0.9 [seen 12.4]: nothing  0.1: noise", "rest: noise")
         ),
         reward=drawer.reward(counts, all(action.duration for action in actions)),
         included=random.randint(1, len(rules)) if rules and random.random() < 0.1 else 0,
     )
-    return domain, drawer.problem(domain)
+    problem = drawer.problem(domain)
+    return domain, replace(problem, facts=(*problem.facts, *values))

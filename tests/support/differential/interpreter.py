@@ -27,6 +27,7 @@ from support.differential.abstract import (
     Literal,
     Outcome,
     Part,
+    Price,
     Problem,
     Rule,
     Setting,
@@ -154,6 +155,21 @@ class Meaning:
 
     def value(self, symbol: str, terms: tuple[str, ...], state: State) -> Value:
         return state[self.place[self.key(symbol, terms)]]
+
+    def price(self, price: Price, state: State, binding: Binding) -> Fraction:
+        """A number, and the values that functions have for the objects, each as often as it counts."""
+        total = price.number
+        for part in price.parts:
+            value = self.value(part.symbol, self.objects_of(part.terms, binding), state)
+            assert isinstance(value, int)
+            total += part.weight * value
+        return total
+
+    def cost(self, call: Call, state: State) -> Fraction:
+        """What an action costs on its objects, whatever comes of it."""
+        action = self.actions[call[0]]
+        binding = {each.name: name for each, name in zip(action.parameters, call[1], strict=True)}
+        return Fraction(0) if action.cost is None else self.price(action.cost, state, binding)
 
     def true(self, name: str, terms: tuple[str, ...], state: State) -> bool:
         if name in self.symbols:

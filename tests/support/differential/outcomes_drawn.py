@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING
 from support.differential.abstract import (
     ForEach,
     Outcome,
+    Price,
     Setting,
     SetTruth,
     SetValue,
@@ -40,7 +41,9 @@ class OutcomeDrawer:
         for probability, said, marks in self.chances():
             effects = self.effects() if not idle or self.drawer.often(0.8) else ()
             paid = self.payments() if pays else ()
-            if any(paid) and all((effects, *paid) != (o.effects, o.reward, o.cost) for o in drawn):
+            if any(each.number for each in paid) and all(
+                (effects, *paid) != (o.effects, o.reward, o.cost) for o in drawn
+            ):
                 drawn.append(Outcome(probability, said, marks, effects, "", *paid))
                 continue
             if any(effects == other.effects and effects for other in drawn):
@@ -50,11 +53,12 @@ class OutcomeDrawer:
             drawn.append(Outcome(probability, said, marks, effects, "" if effects else idle.pop()))
         return tuple(drawn)
 
-    def payments(self) -> tuple[Fraction, Fraction]:
-        """What an outcome pays, and what it costs more."""
+    def payments(self) -> tuple[Price, Price]:
+        """What an outcome pays, and what it costs more, both in numbers."""
         amounts = (Fraction(0), Fraction(1, 3), Fraction(5, 2), Fraction(3))
         reward = self.drawer.random.choice(amounts) * self.drawer.random.choice((1, 1, -1))
-        return reward, self.drawer.random.choice(amounts) if self.drawer.often(0.4) else Fraction(0)
+        cost = self.drawer.random.choice(amounts) if self.drawer.often(0.4) else Fraction(0)
+        return Price(reward), Price(cost)
 
     def idle(self, probability: Fraction) -> tuple[Outcome, ...]:
         if self.drawer.often(0.7):

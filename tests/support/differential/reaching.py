@@ -21,6 +21,7 @@ from support.differential.abstract import (
     Domain,
     Outcome,
     Payment,
+    Price,
     Problem,
     Rule,
     SetValue,
@@ -64,7 +65,8 @@ def machine(seed: int) -> tuple[Domain, Problem]:
     number = random.randint(4, 11)
     names = [f"do{index}" for index in range(random.randint(2, 3))]
     actions = tuple(
-        Action(name, (), f"{random.randint(1, 9)} s", random.choice(("0", "0", "2.5"))) for name in names
+        Action(name, (), f"{random.randint(1, 9)} s", Price(Fraction(random.choice(("0", "0", "2.5")))))
+        for name in names
     )
     rules = [
         Rule(f"r{at}_{name}", name, (), _where(at), (), _chances(random, at, number, prices))
@@ -76,7 +78,7 @@ def machine(seed: int) -> tuple[Domain, Problem]:
     for at, to in ((here, here + 1), (here + 1, here)):  # to and fro, for nothing
         turned = (Outcome(Fraction(1), "1", "", (SetValue("at", (), to),)),)
         rules.append(Rule(f"turn{at}", "turn", (), _where(at), (), turned))
-    actions = (*actions, Action("turn", (), "1 s", "0"))
+    actions = (*actions, Action("turn", (), "1 s", Price()))
     domain = Domain(
         "drawn", (("thing", None),), (), (Symbol("at", (), tuple(range(number))),), (), (), (),
         actions, tuple(rules), None, (Payment(Fraction(1), "goal"),),
@@ -98,7 +100,7 @@ def _chances(random: Random, state: int, number: int, prices: Random) -> tuple[O
     parts = [random.randint(1, 9) for _ in targets]
     shares = [Fraction(part, sum(parts)) for part in parts]
     return tuple(
-        Outcome(share, str(share), "", (SetValue("at", (), target),), cost=prices.choice(paid))
+        Outcome(share, str(share), "", (SetValue("at", (), target),), cost=Price(prices.choice(paid)))
         for share, target in zip(shares, targets, strict=True)
     )
 
@@ -133,7 +135,7 @@ def drawn(seed: int) -> tuple[Domain, Problem] | None:
 # ---- states
 
 
-def reachable(meaning: Meaning, cost: Mapping[str, float], most: int, by_outcome: bool) -> Reachable | None:
+def reachable(meaning: Meaning, cost: Mapping[Call, float], most: int, by_outcome: bool) -> Reachable | None:
     """The states of a problem, found breadth first; None where they are more than so many, or a rule is
     refused in one of them. `cost` is that of each action, `by_outcome` tells whether outcomes cost more."""
     calls = meaning.calls()
@@ -154,8 +156,10 @@ def reachable(meaning: Meaning, cost: Mapping[str, float], most: int, by_outcome
                     number[after] = len(states)
                     states.append(after)
             after_by_number = {number[after]: float(chance) for after, chance in chances.items()}
-            more = sum((o.probability * o.cost for o in covering[0].outcomes if by_outcome), Fraction(0))
-            choices.append(Choice(at, call, cost[call[0]] + float(more), after_by_number))
+            rule, binding = covering
+            dearer = ((o.probability, meaning.price(o.cost, state, binding)) for o in rule.outcomes)
+            more = sum((chance * price for chance, price in dearer if by_outcome), Fraction(0))
+            choices.append(Choice(at, call, cost[call] + float(more), after_by_number))
         if len(states) > most:
             return None
     return Reachable(tuple(states), tuple(goal), tuple(choices))

@@ -121,7 +121,7 @@ class Worth:
                 "decrease": counts.get(payment.count, 0) - counts_after.get(payment.count, 0),
                 "count": counts_after.get(payment.count, 0),
                 "goal": int(holds) - int(held),
-                "cost": Fraction(action.cost) if action.cost is not None and cost else 0,
+                "cost": self.meaning.cost(call, before) if cost else 0,
                 "duration": self.seconds(action) if action.duration is not None and cost else 0,
             }
             total += payment.weight * paid[payment.kind]
@@ -134,15 +134,14 @@ class Worth:
             return [(Fraction(1), state, self.reward(state, call, state))]
         rule, binding = covering
         weight = sum((each.weight for each in self.meaning.domain.reward if each.kind == "cost"), Fraction(0))
-        return [
-            (
-                outcome.probability,
-                after := self.meaning.after(outcome, binding, state),
-                self.reward(state, call, after) + outcome.reward + weight * outcome.cost,
-            )
-            for outcome in rule.outcomes
-            if outcome.probability
-        ]
+        found = []
+        for outcome in rule.outcomes:
+            if outcome.probability:
+                after = self.meaning.after(outcome, binding, state)
+                paid = self.meaning.price(outcome.reward, state, binding)
+                paid += weight * self.meaning.price(outcome.cost, state, binding)
+                found.append((outcome.probability, after, self.reward(state, call, after) + paid))
+        return found
 
     def paid_by_outcome(self, state: State, call: Call) -> Fraction:
         """What is expected of which outcome happens, beside what the states say."""

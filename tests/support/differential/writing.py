@@ -24,6 +24,8 @@ from support.differential.abstract import (
     Outcome,
     Part,
     Payment,
+    Price,
+    Priced,
     Problem,
     Reference,
     Rule,
@@ -45,6 +47,11 @@ def number(value: Fraction, random: Random) -> str:
         return decimal + random.choice(["", ".0"]) if value.denominator == 1 else decimal
     factor = random.choice([1, 1, 2, 3])
     return f"{value.numerator * factor}/{value.denominator * factor}"
+
+
+def falls(price: Price) -> bool:
+    """Whether a price of one sign takes away."""
+    return price.number < 0 or any(part.weight < 0 for part in price.parts)
 
 
 @dataclass(frozen=True, slots=True)
@@ -100,7 +107,7 @@ class Writer:
     def action(self, action: Action) -> str:
         noted = self.either("", " [prior 9 s, seen 12.5]", " [seen 3]", " [fixed]")
         marks = [f"duration = {action.duration}{noted}"] if action.duration else []
-        marks += [f"cost = {action.cost}"] if action.cost is not None else []
+        marks += [f"cost = {self.price(action.cost)}"] if action.cost is not None else []
         tail = f" [{', '.join(marks)}]" if marks else ""
         return f"{action.name}({self.variables(action.parameters)}){tail}"
 
@@ -161,15 +168,39 @@ class Writer:
         return f"{outcome.said}{marks}: {', '.join(said) or outcome.idle}"
 
     def payments(self, outcome: Outcome) -> list[str]:
-        """A payment may be said in two parts."""
-        parts = [("reward", outcome.reward), ("cost", outcome.cost)]
-        if outcome.reward > 1 and self.random.random() < 0.3:
-            parts[:1] = [("reward", Fraction(1)), ("reward", outcome.reward - 1)]
-        return [
-            f"{what} {'+=' if each > 0 else '-='} {number(abs(each), self.random)}"
-            for what, each in parts
-            if each
-        ]
+        """A payment may be said in several parts, and is where some are added and others taken away."""
+        said = [("reward", each) for each in self.apart(outcome.reward)]
+        said += [("cost", each) for each in self.apart(outcome.cost)]
+        texts = []
+        for what, each in said:
+            texts.append(f"{what} {'-=' if falls(each) else '+='} {self.price(each)}")
+        return texts
+
+    def apart(self, price: Price) -> list[Price]:
+        """Prices that come to a price, each of one sign, a part in any of its sign; none is empty."""
+        numbers = [price.number] if price.number else []
+        if price.number > 1 and self.random.random() < 0.3:
+            numbers = [Fraction(1), price.number - 1]
+        found = [Price(each) for each in numbers]
+        for part in price.parts:
+            like = [i for i, each in enumerate(found) if (part.weight < 0) == falls(each)]
+            if like and self.random.random() < 0.6:
+                place = self.random.choice(like)
+                found[place] = Price(found[place].number, (*found[place].parts, part))
+            else:
+                found.append(Price(parts=(part,)))
+        return found
+
+    def price(self, price: Price) -> str:
+        """What a price of one sign comes to without it; 0 is written alone."""
+        parts = [self.priced(part) for part in price.parts]
+        constant = number(abs(price.number), self.random)
+        return " + ".join([constant, *parts] if price.number or not parts else parts)
+
+    def priced(self, part: Priced) -> str:
+        weight = abs(part.weight)
+        factor = "" if weight == 1 and self.random.random() < 0.8 else f"{number(weight, self.random)} * "
+        return f"{factor}{part.symbol}({', '.join(part.terms)})"
 
     def effect(self, effect: Setting | ForEach) -> str:
         if not isinstance(effect, ForEach):
