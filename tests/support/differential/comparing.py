@@ -8,7 +8,9 @@ from random import Random
 
 from support.differential import product
 from support.differential.abstract import Domain, Problem
+from support.differential.comparing_environment import compare_environment
 from support.differential.comparing_loops import compare_learned, compare_loop
+from support.differential.comparing_rules import compare_rules
 from support.differential.comparing_states import compare_draws, compare_explanations, compare_states
 from support.differential.comparing_values import compare_values
 from support.differential.comparison import Comparison
@@ -22,6 +24,8 @@ SOLVED = 150
 """An optimum is compared where no more states are reached within the horizon."""
 LOOPS = 0.1
 """The share of domains that are simulated."""
+LEARNERS = 0.15
+"""The share of domains that are an environment for Gymnasium."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -86,4 +90,7 @@ def compare_these(domain: Domain, problem: Problem, seed: int, folder: Path) -> 
     compare_learned(comparison, loaded, worth, explored.states, random)
     if explored.whole and random.random() < LOOPS:
         compare_loop(comparison, folder, worth, random.choice(("exact", "prada+")))
+    compare_rules(comparison, loaded, worth, explored.states, random)
+    if random.random() < LEARNERS:
+        compare_environment(comparison, folder, grounded, worth, random)
     return comparison

@@ -27,11 +27,13 @@ from cleancli.compiler.semantics import (
     standing,
 )
 from cleancli.compiler.task import GroundState, Task, by_time
-from cleancli.language.diagnostics.diagnostic import Diagnostic
+from cleancli.environment.symbolic import SymbolicVector
+from cleancli.language.diagnostics.diagnostic import Diagnostic, Source
 from cleancli.language.diagnostics.refused import Refused
-from cleancli.language.load import checked_domain, checked_problem, read_source
+from cleancli.language.load import checked_domain, checked_problem, load_domain, read_source
 from cleancli.language.model import Domain, Fact, Problem
-from cleancli.learning.experience import decode
+from cleancli.learning.compared import compared
+from cleancli.learning.experience import Transition, decode
 from cleancli.learning.learn import learn
 from cleancli.learning.method import Method
 from cleancli.planning.compiled_task import prepare
@@ -202,6 +204,48 @@ def learned(loaded: Loaded, experience: str) -> dict[tuple[str, int], Fraction]:
         if each.rule is not None
         for index, seen in enumerate(each.seen)
     }
+
+
+def respelt(domain: DrawnDomain, seed: int) -> Domain | None:
+    """A domain without its file, in other words than those of a seed; None where it is refused."""
+    text, _ = Writer(Random(f"another text of {seed}")).domain(domain)
+    try:
+        return load_domain(Source("other.nid", text))
+    except Refused:
+        return None
+
+
+@dataclass(frozen=True, slots=True)
+class RulePair:
+    """As `cleancli.learning.compared.RulePair`, with the names of the rules."""
+
+    first: str | None
+    second: str | None
+    likeness: str
+    states: int
+    total: float
+
+
+def rules_compared(loaded: Loaded, other: Domain, asked: Sequence[tuple[State, Call]]) -> Iterator[RulePair]:
+    """What two domains foretell of actions in states, side by side."""
+    transitions = []
+    for state, (name, objects) in asked:
+        values = {(fact.symbol, fact.objects): fact.value for fact in loaded.facts(state)}
+        transitions.append(Transition(name, objects, loaded.problem.objects, values, values))
+    for pair in compared(loaded.domain, other, transitions).pairs:
+        first = None if pair.first is None else loaded.domain.rules[pair.first].name
+        second = None if pair.second is None else other.rules[pair.second].name
+        yield RulePair(first, second, pair.likeness.value, pair.states, pair.total)
+
+
+def environment(folder: Path, episodes: int, actions: int) -> SymbolicVector | None:
+    """So many episodes side by side; None where there is nothing to do."""
+    try:
+        return SymbolicVector(
+            episodes, str(folder / PROBLEM), str(folder / DOMAIN), max_actions=actions, observation="array"
+        )
+    except ValueError:
+        return None
 
 
 # ---- the command line
