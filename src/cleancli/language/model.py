@@ -183,6 +183,8 @@ class Price(Record):
 
     def __add__(self, other: Price) -> Price:
         if not self.parts and not other.parts:
+            if not self.number or not other.number:  # as of most outcomes, which pay nothing
+                return self if self.number else other
             return Price(self.number + other.number)
         weights: dict[tuple[str, tuple[Term, ...]], Fraction] = {}
         for part in (*self.parts, *other.parts):
@@ -193,14 +195,14 @@ class Price(Record):
 
     def times(self, factor: Fraction) -> Price:
         """So many times the price."""
-        if not factor:
+        if not factor or not self:
             return NOTHING_PAID
         parts = tuple(PricePart(factor * part.weight, part.symbol, part.terms) for part in self.parts)
         return Price(factor * self.number, parts)
 
     def by_sign(self) -> tuple[Price, Price]:
         """What is added, and what is taken away; nothing in either is below 0."""
-        return self._above_0(), self.times(Fraction(-1))._above_0()
+        return (self._above_0(), self.times(Fraction(-1))._above_0()) if self else (self, self)
 
     def _above_0(self) -> Price:
         return Price(max(self.number, Fraction(0)), tuple(part for part in self.parts if part.weight > 0))
