@@ -5,6 +5,7 @@ from __future__ import annotations
 import io
 import json
 import sys
+import time
 from collections.abc import Callable
 from dataclasses import replace
 from pathlib import Path
@@ -221,6 +222,21 @@ def test_what_is_hidden_stands_in_parentheses() -> None:
     shown = stream.getvalue().partition(" (0.20 s)")[0]
     assert shown == "looked: a1, (a2)"
     assert f"`{shown}`" in (ROOT / "docs" / "execution.md").read_text(encoding="utf-8")
+
+
+def test_a_decision_that_takes_long_is_told_outside_a_terminal(
+    monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    """A planner may have to be compiled first (docs/commands.md: two seconds, unless they are set)."""
+    monkeypatch.setenv("CLEANCLI_PROGRESS_AFTER", "0.05")
+    looked = Looked(situation(A1, A2), None, 0.2, Purpose.FIRST)
+    for plain, word in ((False, "deciding ...\n"), (True, "")):
+        with show(False, console=Console(file=io.StringIO(), width=80), plain=plain) as view:
+            view.write(looked)
+            time.sleep(0.3)
+            view.write(Ended("nothing is left to do", True, 2, SPENT, 12.0, 0.0))
+            time.sleep(0.1)
+        assert capsys.readouterr() == ("", word)
 
 
 def test_a_terminal_gets_the_lines_and_the_table_which_goes_at_the_end() -> None:

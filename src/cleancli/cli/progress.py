@@ -31,7 +31,7 @@ def working(what: str, quiet: bool = False) -> Iterator[None]:
         yield
         return
     console = _terminal()
-    with _told_late(what) if console is None else console.status(what):
+    with told_late(what) if console is None else console.status(what):
         yield
 
 
@@ -44,7 +44,7 @@ def slow() -> float:
 
 
 @contextmanager
-def _told_late(what: str) -> Iterator[None]:
+def told_late(what: str) -> Iterator[None]:
     """A line of standard error where what is done meanwhile takes long; then `what` may be anywhere in
     compiled code, so that another thread tells it."""
     errors, seconds = sys.stderr, slow()
@@ -70,7 +70,7 @@ def counted(what: str, items: Iterable[_Item], number: int) -> Iterator[_Item]:
     elsewhere a line of standard error says what is done."""
     console = _terminal()
     if console is None:
-        with _told_late(what):
+        with told_late(what):
             yield from items
         return
     bar, started = _bar(what, console), time.monotonic()

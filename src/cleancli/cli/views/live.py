@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator
-from contextlib import contextmanager
+from contextlib import ExitStack, contextmanager
 from dataclasses import replace
 from typing import Protocol
 
@@ -12,7 +12,7 @@ from rich.live import Live
 
 from cleancli.api.symbolic import Told
 from cleancli.cli.kernels import how_loaded
-from cleancli.cli.progress import SLOW
+from cleancli.cli.progress import SLOW, told_late
 from cleancli.cli.views.dashboard import Shown, came_of, dashboard, names_of, updated
 from cleancli.cli.views.table_map import Place
 from cleancli.execution.episode_state import Situation
@@ -59,8 +59,12 @@ def show(
         yield _Silent()
         return
     console = Console(stderr=True, highlight=False) if console is None else console
-    if plain or not console.is_terminal:
+    if plain:
         yield _Lines(console, told)
+        return
+    if not console.is_terminal:
+        with ExitStack() as waiting:
+            yield _Waiting(console, told, waiting)
         return
     view = _Live(console, scene, tool, limit, told)
     with Live(console=console, get_renderable=view.render, refresh_per_second=8, transient=True):
@@ -155,6 +159,21 @@ class _Lines:
 
     def _line(self, text: str) -> None:
         self._console.print(printable(text), markup=False, soft_wrap=True)
+
+
+class _Waiting(_Lines):
+    """The lines, and one where a decision takes long: a planner may have to be compiled first."""
+
+    def __init__(self, console: Console, told: Told | None, waiting: ExitStack) -> None:
+        super().__init__(console, told)
+        self._waiting = waiting
+
+    def write(self, event: Event) -> None:
+        """Show one event."""
+        self._waiting.close()
+        super().write(event)
+        if isinstance(event, Looked):
+            self._waiting.enter_context(told_late("deciding"))
 
 
 class _Live(_Lines):
