@@ -199,5 +199,9 @@ def test_prices_are_counted_with_the_values_for_objects() -> None:
     worth = Worth(Meaning(costly, of_areas.problem))
     start = worth.meaning.initial()
     assert worth.meaning.cost(("dock", ("a1", "a2")), start) == 11
-    assert worth.results(start, ("dock", ("a1", "a2"))) == [(1, start, -110 + 4 - Fraction(5, 2) - 30)]
-    assert worth.results(start, ("dock", ("a2", "a1"))) == [(1, start, -150 + 0 - Fraction(7, 2) - 30)]
+    assert worth.results(start, ("dock", ("a1", "a2"))) == [
+        (Fraction(1), start, -110 + 4 - Fraction(5, 2) - 30)
+    ]
+    assert worth.results(start, ("dock", ("a2", "a1"))) == [
+        (Fraction(1), start, -150 + 0 - Fraction(7, 2) - 30)
+    ]
