@@ -176,7 +176,7 @@ def _tidied(rule: Rule, declared: Declarations) -> Rule | None:
         return None
     if outcomes[-1].kind is OutcomeKind.NOTHING:
         outcomes[-1] = replace(outcomes[-1], is_rest=True)
-    return replace(rule, outcomes=tuple(outcomes))
+    return rule if tuple(outcomes) == rule.outcomes else replace(rule, outcomes=tuple(outcomes))
 
 
 # ---- what is used

@@ -6,7 +6,7 @@ by itself, so there it is written out for all objects of the problem (Younes and
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from fractions import Fraction
 from functools import reduce
@@ -431,7 +431,7 @@ def _product(found: Results, others: Results) -> Results:
     """All pairs of results that are drawn independently."""
     if len(found) * len(others) > 64 * MOST_OUTCOMES:
         raise TooMany
-    made = _merged(_beside(one, other, one.chance * other.chance) for one in found for other in others)
+    made = _merged([_beside(one, other, one.chance * other.chance) for one in found for other in others])
     if len(made) > MOST_OUTCOMES:
         raise TooMany
     return made
@@ -498,8 +498,10 @@ def _sharing(several: Sequence[Results]) -> Results:
     return _merged(found)
 
 
-def _merged(results: Iterable[Result]) -> Results:
+def _merged(results: Sequence[Result]) -> Results:
     """Each result once, by what happens."""
+    if len(results) == 1:
+        return (Result(results[0].chance, tuple(dict.fromkeys(results[0].changes)), results[0].paid),)
     found: dict[tuple[frozenset[Change], Paid], Result] = {}
     for each in results:
         changes = dict.fromkeys(each.changes)

@@ -114,6 +114,8 @@ def _schema(node: ActionNode, words: Words, effects: Effects, definitions: Defin
 
 def _in_all(case: Case) -> Case:
     """The case by what each outcome costs in all."""
+    if not any(each.paid for each in case.results):
+        return case
     return replace(case, results=tuple(replace(each, paid=each.paid.in_all) for each in case.results))
 
 

@@ -49,7 +49,7 @@ class Scope(Record):
     def with_variables(self, variables: tuple[Variable, ...]) -> Scope:
         """The scope inside a quantifier."""
         bound = {**self.variables, **{v.name: v for v in variables}}
-        return replace(self, variables=bound)
+        return Scope(self.declared, self.objects, bound, self.findings, self.compat, self.left)
 
     def behind(self, groups: Iterable[syntax.Group], way_out: str) -> Scope:
         """The scope behind a quantifier that bound these."""
