@@ -352,6 +352,50 @@ def test_long_lines_of_types_and_many_at_once_are_read_quickly(last: str, circle
     assert time.process_time() - started < 5
 
 
+LONG = [f"1/{10**17 + 2 * n + 1}" for n in range(500)]
+"""Numbers of which no two have much of their denominators in common."""
+TOO_MANY = "the common denominator of this number and of those before it has too many digits"
+
+
+@pytest.mark.parametrize(
+    ("old", "new", "message"),
+    [
+        ("(total-cost) 2)", "(total-cost) 1e30)", "this number has too many digits for a .nid file"),
+        ("(total-cost) 2)", f"(total-cost) (* {'1e9 ' * 4000}))", "this number has too many digits"),
+        ("(total-cost) 2)", f"(total-cost) (* {'1e-9 ' * 4000}))", "this number has too many digits"),
+        ("(total-cost) 2)", f"(total-cost) (+ {' '.join(LONG)}))", TOO_MANY),
+        ("(increase", f"{' '.join(f'(increase (total-cost) {each})' for each in LONG)} (increase", TOO_MANY),
+        ("0.8 (in ?a bin)", " ".join(f"{each} (in ?a bin)" for each in LONG), TOO_MANY),
+        ("(dirt a2)", f"(probabilistic {' '.join(f'{each} (dirt a2)' for each in LONG)})", TOO_MANY),
+        (
+            "(probabilistic 0.8 (in ?a bin))",
+            f"{f'(probabilistic 0.{60 * chr(55)} ' * 70}(in ?a bin){')' * 70}",
+            "a probability, reward or cost of `push` has too many digits for a .nid file",
+        ),
+        ("(:metric minimize (total-cost))", "(:goal-reward 1e50)", "this number has too many digits"),
+    ],
+)
+def test_numbers_that_no_text_can_state_are_refused_at_once(old: str, new: str, message: str) -> None:
+    """docs/diagnostics.md, E917: what was read of them could not be written, or took long to add up."""
+    text = TEXT.replace(old, new, 1)
+    started = time.process_time()
+    with pytest.raises(Refused) as refused:
+        converted(text)
+    assert time.process_time() - started < 5
+    (found,) = refused.value.diagnostics
+    assert (found.code, found.message[: len(message)]) == ("E917", message)
+    assert mistakes_of(text) == [found.message]
+
+
+@pytest.mark.parametrize(
+    "number", ["1e29", "1e-99", "1/999999999999999999", "123456789012345678.5", "1e-3", ".5"]
+)
+def test_long_numbers_are_stated(number: str) -> None:
+    text = TEXT.replace("(total-cost) 2)", f"(total-cost) {number})")
+    domain = load_domain(Source("tidy.nid", converted(text).domain))
+    assert [action.cost.number for action in domain.actions] == [Fraction(number)]
+
+
 def mistakes_of(text: str) -> list[str]:
     try:
         found = models_of(Source("given.pddl", text)).diagnostics

@@ -14,6 +14,7 @@ from cleancli.conversion.pddl.naming import Naming, readable
 from cleancli.conversion.pddl.problem import Start, metric_of, names_of, starts_of
 from cleancli.conversion.pddl.resolve import Words
 from cleancli.conversion.pddl.schemas import Schema, schemas_of
+from cleancli.conversion.pddl.stated import refuse_unstated
 from cleancli.conversion.pddl.statics import Statics
 from cleancli.conversion.pddl.syntax import DomainNode, ProblemNode
 from cleancli.language.diagnostics.diagnostic import Level, Span
@@ -85,6 +86,9 @@ def draft_of(
     )
     used = [each.symbol for each in functions.used]
     made = domain_of(name, first.schemas, said, metric, words, definitions, used, Naming(texts))
+    places = {schema.action.name: schema.place for schema in first.schemas}
+    refuse_unstated(made, places, domain.name.span, findings)
+    findings.refuse_errors()
     steps = (wishes.horizon or USUAL_HORIZON) + (first.action is not None)
     drawn = f"chance decides of what holds at first: `{first.action}()` draws it"
     drafts = []
@@ -92,7 +96,6 @@ def draft_of(
         problem = problem_of(title, start, made, metric, words, steps)
         told = (*_guesses(start, problem, wishes), *([drawn] if first.action is not None else []))
         drafts.append(DraftProblem(problem, told, start.node.name.span))
-    places = {schema.action.name: schema.place for schema in first.schemas}
     counted = {*effects.counted, *functions.names}
     notes = (*_notes(domain, made, first.schemas, words, counted), *effects.notes)
     notes += tuple(

@@ -5,7 +5,9 @@ from __future__ import annotations
 import re
 from collections.abc import Iterator, Sequence
 from fractions import Fraction
+from math import lcm
 
+from cleancli.conversion.pddl.stated import LONGEST_DENOMINATOR, is_stated
 from cleancli.conversion.pddl.syntax import (
     AndNode,
     AtomNode,
@@ -63,6 +65,7 @@ class Reader:
     def __init__(self, path: str, findings: Findings) -> None:
         self.path = path
         self.findings = findings
+        self._denominator = 1
         self.without_terms = frozenset[str]()
 
     def span(self, node: Node) -> Span:
@@ -107,11 +110,32 @@ class Reader:
 
     def number(self, node: Node, wanted: str) -> Fraction:
         """A number, which may be a fraction."""
-        value = number_in(node)
+        value = self.amount(node)
         if value is None:
             shown = "a group" if isinstance(node, Group) else f"`{node.text}`"
             raise Unreadable(f"expected {wanted}, but there is {shown}", self.span(node))
         return value
+
+    def amount(self, node: Node) -> Fraction | None:
+        """The number that a word is; None if it is none."""
+        value = number_in(node)
+        return None if value is None else self.bounded(value, node)
+
+    def bounded(self, value: Fraction, node: Node) -> Fraction:
+        """A number that stands at a node, or is calculated there. E917, once, where it is too long, or those
+        of the file have too long a common denominator: sums of them would take long. From there on all are
+        0."""
+        if not self._denominator:
+            return Fraction(0)
+        self._denominator = lcm(self._denominator, value.denominator)
+        if is_stated(value) and self._denominator < LONGEST_DENOMINATOR:
+            return value
+        self._denominator = 0
+        message, help = "this number has too many digits for a .nid file", "round it"
+        if is_stated(value):
+            message = "the common denominator of this number and of those before it has too many digits"
+        self.findings.error("E917", message, self.span(node), help=help)
+        return Fraction(0)
 
     def typed(self, items: Sequence[Node], *, variables: bool = False) -> tuple[Typed, ...]:
         """As `objects`, each name for itself; perhaps of variables."""

@@ -4,9 +4,8 @@ from __future__ import annotations
 
 from collections.abc import Iterable
 from fractions import Fraction
-from math import prod
 
-from cleancli.conversion.pddl.read_conditions import Reader, Unreadable, number_in
+from cleancli.conversion.pddl.read_conditions import Reader, Unreadable
 from cleancli.conversion.pddl.syntax import (
     AllNode,
     AtomNode,
@@ -126,7 +125,7 @@ _ONE: _Sum = ((Fraction(1), None),)
 
 def _sum(node: Node, reader: Reader) -> _Sum | None:
     """An amount as `PayNode` has it; None for what is no sum of multiples."""
-    value = number_in(node)
+    value = reader.amount(node)
     if value is not None:
         return ((value, None),)
     if isinstance(node, Word) or node.head not in ("+", "-", "*", "/"):
@@ -147,14 +146,23 @@ def _sum(node: Node, reader: Reader) -> _Sum | None:
             factors = [value for part in known if (value := _constant(part)) is not None]
             if len(varying) > 1:
                 return None
-            return _times(varying[0] if varying else _ONE, prod(factors, start=Fraction(1)))
+            product = varying[0] if varying else _ONE
+            for factor in factors:
+                product = _bounded(_times(product, factor), node, reader)
+            return product
         case _:
             divisors = [_constant(part) for part in others]
-            return _times(first, 1 / divisors[0]) if len(divisors) == 1 and divisors[0] else None
+            if len(divisors) != 1 or not divisors[0]:
+                return None
+            return _bounded(_times(first, 1 / divisors[0]), node, reader)
 
 
 def _times(amount: _Sum, factor: Fraction) -> _Sum:
     return tuple((factor * weight, function) for weight, function in amount)
+
+
+def _bounded(amount: _Sum, node: Node, reader: Reader) -> _Sum:
+    return tuple((reader.bounded(weight, node), function) for weight, function in amount)
 
 
 def _constant(amount: _Sum) -> Fraction | None:
