@@ -237,6 +237,17 @@ def test_a_check_tells_of_goals_that_are_never_reached(
     assert f"tidy_two.pddl:{line}:4: warning[W403]: the goal of `two`" in capsys.readouterr().out
 
 
+def test_a_goal_of_many_variables_neither_stalls_nor_fills_memory(capsys: pytest.CaptureFixture[str]) -> None:
+    """A check leaves what is large to `plan`, and that says what is too large (E604)."""
+    variables = [f"?v{number}" for number in range(30)]
+    never = " ".join(f"(not (dirt {each}))" for each in variables)
+    goal = f"(:goal (forall ({' '.join(variables)} - area) (or {never})))"
+    changed("tidy_two.pddl", "(:goal (forall (?a - area) (not (dirt ?a))))", goal)
+    assert run(["check", *FILES]) == 0
+    assert run(["plan", *FILES]) == 1
+    assert "error[E604]: the goal of `two` asks for 1,073,741,824 bindings" in capsys.readouterr().err
+
+
 FERRY = """(define (domain ferry)
   (:predicates (at ?p) (next ?p ?q))
   (:action go :parameters (?p ?q) :precondition (and (at ?p) (next ?p ?q))

@@ -59,6 +59,41 @@ def test_a_rule_without_such_parts_is_not_counted(monkeypatch: pytest.MonkeyPatc
     ground(*from_text.checked(TEXT % ("", "", ""), AREAS))
 
 
+@pytest.mark.parametrize(("most", "refused"), [(16, False), (15, True)])
+@pytest.mark.parametrize("quantifier", ["forall ?m ?n", "exists ?m ?n", "not exists ?m ?n"])
+def test_a_goal_is_counted(
+    quantifier: str, most: int, refused: bool, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """25 variables of two objects filled memory before anything was said."""
+    goal = f" goal {{ wet(a), {quantifier} - area: near(?m, ?n) }}"
+    checked = from_text.checked(TEXT % ("", "", ""), AREAS + goal)
+    monkeypatch.setattr(grounding_size, "PART_LIMIT", most)
+    if not refused:
+        ground(*checked)
+        return
+    with pytest.raises(Refused) as said:
+        ground(*checked)
+    (found,) = said.value.diagnostics
+    assert found.code == "E604"
+    assert "the goal of `p` asks for 16 bindings of one quantifier" in found.message
+
+
+@pytest.mark.parametrize(
+    ("when", "effect", "goal", "parts"),
+    [
+        ("", "", "", 20),
+        ("", "", "goal { wet(a) }", 20),
+        ("", "", "goal { forall ?m ?n - area: near(?m, ?n) }", 20 + 16),
+        ("", FORALL, "", 20 + 4 * 4),
+        (", doubly(?a)", "", "", 20 + 4 * 10),
+    ],
+)
+def test_parts_of_a_task_are_counted_before_it_is_made(when: str, effect: str, goal: str, parts: int) -> None:
+    """Four instances of `wiped`, sixteen of `linked`; and 4 * 4 literals of `beset`, 4 * 9 of `doubly`."""
+    checked = from_text.checked(TEXT % (when, effect, ""), f"{AREAS} {goal}")
+    assert grounding_size.most_parts(*checked) == parts + 4 * 4 + 4 * 9
+
+
 @pytest.mark.parametrize(("most", "refused"), [(20, False), (19, True)])
 def test_just_as_many_groundings_as_fit(most: int, refused: bool, monkeypatch: pytest.MonkeyPatch) -> None:
     """Four of `wiped` and sixteen of `linked`."""

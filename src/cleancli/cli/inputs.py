@@ -31,8 +31,9 @@ if TYPE_CHECKING:
 CHECKED = (".nid", *SUFFIXES)
 """What the names of files that can be checked end with."""
 
-_MOST_GROUNDINGS = 100_000
-"""Groundings of a problem in PDDL up to which a check grounds it. Chosen: a second."""
+_MOST_PARTS = 100_000
+"""Groundings of a problem in PDDL, with their literals and effects, up to which a check grounds it. Chosen: a
+second."""
 
 
 def open_loaded(domain: str, *, compat: bool = False) -> LoadedDomain:
@@ -169,12 +170,12 @@ def _check_pddl(source: Source, others: Iterable[str]) -> tuple[tuple[Diagnostic
         made = models_of(domain or source, source)
     else:
         made = models_of(source, source if defines_problem(source) else None, is_open=True)
-    from cleancli.compiler.grounding_size import count_groundings
+    from cleancli.compiler.grounding_size import most_parts
 
     grounded = [
         each
         for number, problem in enumerate(made.problems)
-        if sum(rule.count for rule in count_groundings(made.domain, problem)) <= _MOST_GROUNDINGS
+        if most_parts(made.domain, problem) <= _MOST_PARTS
         for each in _grounded(source, made.domain, problem, number)
     ]
     return (*made.diagnostics, *grounded), made.sources

@@ -61,7 +61,7 @@ def ground(domain: Domain, problem: Problem, *, compat: bool = False, named: Col
     (no E603). Such a task is for planners that are asked for the same."""
     universe = Universe(domain, problem)
     join = ColumnJoin(universe)
-    _refuse(refuse_too_many(domain, join))
+    _refuse(refuse_too_many(domain, problem, join))
     conditions = Conditions(universe)
     reach = Reach(instances(domain, conditions, join, compat=compat), universe)
     cases = _cases(domain, reach, conditions)

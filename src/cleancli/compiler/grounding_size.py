@@ -70,8 +70,23 @@ def count_groundings(domain: Domain, problem: Problem) -> tuple[Groundings, ...]
     return tuple(_groundings(index, rule, join, EXACT_ROWS) for index, rule in enumerate(domain.rules))
 
 
-def refuse_too_many(domain: Domain, join: ColumnJoin) -> Iterator[Diagnostic]:
-    """E604 for each rule or count that has too many instances, or for the rules together."""
+def most_parts(domain: Domain, problem: Problem) -> int:
+    """At most how many instances there are, with the literals and effects that parts of these, of derived
+    predicates and of the goal become."""
+    join = ColumnJoin(Universe(domain, problem))
+    found = _length_of(problem.goal, (), join)
+    for derived in domain.derived:
+        found += _product(derived.parameters, join) * _length_of(derived.condition, derived.parameters, join)
+    for index, rule in enumerate(domain.rules):
+        fitting = _fitting(rule, join)
+        instances = _groundings(index, rule, join, EXACT_ROWS).count * prod(count for _, count in fitting)
+        found += instances * (1 + _lengths(rule, fitting, join).total())
+    return found
+
+
+def refuse_too_many(domain: Domain, problem: Problem, join: ColumnJoin) -> Iterator[Diagnostic]:
+    """E604 for each rule or count that has too many instances, or for the rules together; and for a
+    goal of too many bindings."""
     found = _counted_until_few(domain, join)
     in_all = sum(each.count for each in found)
     if in_all > RULE_LIMIT:
@@ -83,6 +98,7 @@ def refuse_too_many(domain: Domain, join: ColumnJoin) -> Iterator[Diagnostic]:
         yield from _too_many_parts(each, domain.rules[each.rule], join)
     for count in domain.counts:
         yield from _too_many_counted(count, join)
+    yield from _too_long_goal(problem, join)
 
 
 def _counted_until_few(domain: Domain, join: ColumnJoin) -> list[Groundings]:
@@ -123,6 +139,21 @@ def too_many_cases_in_all(domain: Domain, found: Sequence[Case]) -> Diagnostic:
         label=f"{cases:,} are cases of rule `{domain.rules[rule].name}`",
         help="ask for less at once, take fewer objects, or leave to the facts what does not change",
     )
+
+
+def _too_long_goal(problem: Problem, join: ColumnJoin) -> Iterator[Diagnostic]:
+    """E604 for a goal in which a quantifier has more bindings than fit, and no fact to leave some out."""
+    for part in problem.goal:
+        if isinstance(part, Quantified) and not any(map(join.universe.is_static, part.condition)):
+            bindings = _product(part.variables, join)
+            if bindings > PART_LIMIT:
+                yield Diagnostic(
+                    "E604",
+                    f"the goal of `{problem.name}` asks for {bindings:,} bindings of one quantifier,"
+                    f" about {_size(bindings * PART_BYTES)}; {_MOST}",
+                    None,
+                    help="bind fewer variables at once, or take fewer objects",
+                )
 
 
 def _refusal(what: str, found: Groundings, in_all: int, span: Span | None) -> Diagnostic:
@@ -215,6 +246,11 @@ def _with_references(rule: Rule, join: ColumnJoin) -> int:
     variables = [*rule.variables, *(v for reference in rule.references for v in reference.variables)]
     condition = (*rule.condition, *(part for reference in rule.references for part in reference.condition))
     return _count(variables, condition, join, _patient())[0]
+
+
+def _length_of(condition: Condition, bound: Iterable[Variable], join: ColumnJoin) -> int:
+    """At most how many literals a condition becomes of which these variables are bound."""
+    return sum(_length(part, set(bound), join) for part in condition)
 
 
 def _length(part: Part, bound: set[Variable], join: ColumnJoin) -> int:

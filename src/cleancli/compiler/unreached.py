@@ -56,7 +56,7 @@ def unreached(domain: Domain, problem: Problem) -> tuple[Unreached, ...]:
     universe = Universe(domain, problem)
     join = ColumnJoin(universe)
     try:
-        if any(refuse_too_many(domain, join)):
+        if any(refuse_too_many(domain, problem, join)):
             return ()
         conditions = Conditions(universe)
         known = Reach(instances(domain, conditions, join), universe).known
