@@ -237,6 +237,25 @@ def test_a_check_tells_of_goals_that_are_never_reached(
     assert f"tidy_two.pddl:{line}:4: warning[W403]: the goal of `two`" in capsys.readouterr().out
 
 
+@pytest.mark.parametrize("text", ["", " \n", "; nothing yet\n", ")", "domain d { }"])
+def test_what_is_called_pddl_is_read_as_that(text: str, capsys: pytest.CaptureFixture[str]) -> None:
+    """So that what is missing is told in its words: an empty file was to hold `domain NAME { ... }`."""
+    Path("tidy.pddl").write_text(text, encoding="utf-8")
+    for line in ("check {0}", "show {0}", "plan {0} {1}", "convert {0} {1} --out out"):
+        assert run(line.format(*FILES).split()) == 1
+        said = "".join(capsys.readouterr())
+        assert "tidy.pddl:1:1: error[E915]" in said
+        assert "{" not in said.partition("= help")[2]
+
+
+def test_a_mistake_that_hides_the_domain_is_told_when_files_are_written(
+    capsys: pytest.CaptureFixture[str],
+) -> None:
+    changed("tidy.pddl", "(domain tidy)", "(domain -)")
+    assert run(["convert", *FILES, "--to", "ppddl", "--out", "out"]) == 1
+    assert "tidy.pddl:2:17: error[E915]: expected a name" in capsys.readouterr().err
+
+
 def test_a_goal_of_many_variables_neither_stalls_nor_fills_memory(capsys: pytest.CaptureFixture[str]) -> None:
     """A check leaves what is large to `plan`, and that says what is too large (E604)."""
     variables = [f"?v{number}" for number in range(30)]
@@ -380,6 +399,7 @@ def test_actions_may_be_named_as_the_files_name_them(capsys: pytest.CaptureFixtu
         "print_job(j_2, p_1)",
         "(print-job j-2 p-1)",
         "( print_job j_2 p_1 )",
+        "(Print-Job J-2 p-1)",
     ):
         assert run(["explain", "room.pddl", "jobs.pddl", action]) == 0
         told.append(capsys.readouterr().out)
@@ -387,6 +407,7 @@ def test_actions_may_be_named_as_the_files_name_them(capsys: pytest.CaptureFixtu
     assert told[0].startswith("print_job(j_2, p_1): covered by rule print_job")
     steps = cleancli.explain("room.pddl", "jobs.pddl", "print-job(j1 p-1)")
     assert str(steps).startswith("print_job(j1, p_1): ")
+    assert run(["explain", "room.pddl", "jobs.pddl", "Print-Job(j1, p-1)"]) == 1  # as .nid files write it
     assert run(["explain", "room.pddl", "jobs.pddl", "print-jop(j1, p-1)"]) == 1
     assert "did you mean `print_job`?" in capsys.readouterr().err
 

@@ -360,6 +360,8 @@ TOO_MANY = "the common denominator of this number and of those before it has too
 @pytest.mark.parametrize(
     ("old", "new", "message"),
     [
+        ("(total-cost) 2)", "(total-cost) 1e400)", "this number has too many digits for a .nid file"),
+        ("(total-cost) 2)", f"(total-cost) {'9' * 31})", "this number has too many digits for a .nid file"),
         ("(total-cost) 2)", "(total-cost) 1e30)", "this number has too many digits for a .nid file"),
         ("(total-cost) 2)", f"(total-cost) (* {'1e9 ' * 4000}))", "this number has too many digits"),
         ("(total-cost) 2)", f"(total-cost) (* {'1e-9 ' * 4000}))", "this number has too many digits"),
@@ -388,7 +390,17 @@ def test_numbers_that_no_text_can_state_are_refused_at_once(old: str, new: str, 
 
 
 @pytest.mark.parametrize(
-    "number", ["1e29", "1e-99", "1/999999999999999999", "123456789012345678.5", "1e-3", ".5"]
+    "number",
+    [
+        "1e29",
+        "1e-99",
+        "1/999999999999999999",
+        "123456789012345678.5",
+        "1e-3",
+        ".5",
+        f"0.{'3' * 70}",
+        "9" * 30,
+    ],
 )
 def test_long_numbers_are_stated(number: str) -> None:
     text = TEXT.replace("(total-cost) 2)", f"(total-cost) {number})")

@@ -81,6 +81,7 @@ def opened(files: Sequence[str], include_outside: bool) -> tuple[LoadedDomain, l
     sources = [_source(given, number) for number, given in enumerate(files, 1)]
     domains = [source for source in sources if _defines(source, "domain")]
     if len(domains) != 1:
+        _refuse_unreadable(sources)
         found = "none of these is one" if not domains else f"{len(domains)} of these are one"
         raise BadOption(f"give one domain, and any number of its problems: {found}")
     (domain,) = domains
@@ -110,6 +111,14 @@ def _defines(source: Source, kind: str) -> bool:
 
         return defines_domain(source) if kind == "domain" else defines_problem(source)
     return (kind_of(source) == "domain") == (kind == "domain")
+
+
+def _refuse_unreadable(sources: Sequence[Source]) -> None:
+    """Raises Refused for a text in PDDL with mistakes that may hide what it defines."""
+    from cleancli.conversion.pddl.models import refuse_unreadable
+
+    for source in filter(is_pddl, sources):
+        refuse_unreadable(source)
 
 
 def _refuse_scenes(problems: Sequence[LoadedProblem]) -> None:

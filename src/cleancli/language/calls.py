@@ -60,7 +60,7 @@ def _read(source: Source, match: re.Match[str], domain: Domain, problem: Problem
     declared = {action.name: action for action in domain.actions}
     pddl = "" if match["action"] else "pddl_"
     action, arguments = match.span(f"{pddl}action"), match.span(f"{pddl}arguments")
-    name = _as_declared(source.text[slice(*action)], declared)
+    name = _as_declared(source.text[slice(*action)], declared, any_case=bool(pddl))
     if name not in declared:
         help = meant(name, declared, "action")
         _refuse(source, "E206", f"unknown action `{name}`", *action, help)
@@ -72,21 +72,31 @@ def _read(source: Source, match: re.Match[str], domain: Domain, problem: Problem
         message = f"`{name}` takes {plural(len(wanted), 'object')}, not {len(places)}"
         help = f"it is declared as `{print_signature(name, wanted)}`"
         _refuse(source, "E208", message, *match.span(), help)
-    return name, tuple(_objects(source, places, declared[name], domain, problem))
+    return name, tuple(_objects(source, places, declared[name], domain, problem, any_case=bool(pddl)))
 
 
-def _as_declared(name: str, declared: Collection[str]) -> str:
-    """The name of something declared that a name with hyphens stands for, or else the name as it is."""
+def _as_declared(name: str, declared: Collection[str], *, any_case: bool) -> str:
+    """The name of something declared that a name with hyphens stands for, or else the name as it is. With
+    `any_case`, as in PDDL, letter case says nothing, where it does not tell two things apart."""
     changed = _HYPHENS.sub("_", name)
-    return changed if changed in declared else name
+    if changed in declared:
+        return changed
+    alike = [each for each in declared if any_case and each.lower() == changed.lower()]
+    return alike[0] if len(alike) == 1 else name
 
 
 def _objects(
-    source: Source, places: Sequence[_Place], action: Action, domain: Domain, problem: Problem
+    source: Source,
+    places: Sequence[_Place],
+    action: Action,
+    domain: Domain,
+    problem: Problem,
+    *,
+    any_case: bool,
 ) -> Iterator[str]:
     objects: dict[str, Object] = {o.name: o for o in (*domain.constants, *problem.objects)}
     for (written, start, end), parameter in zip(places, action.parameters, strict=True):
-        name = _as_declared(written, objects)
+        name = _as_declared(written, objects, any_case=any_case)
         fitting = [o.name for o in objects.values() if domain.is_a(o.type, parameter.type)]
         help = meant(name, fitting, "object")
         if name not in objects:

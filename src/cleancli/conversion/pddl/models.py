@@ -28,6 +28,13 @@ def defines_problem(source: Source) -> bool:
     return bool(read(source, Findings(source))[1])
 
 
+def refuse_unreadable(source: Source) -> None:
+    """Raises Refused for a PDDL text that cannot be read as a whole."""
+    findings = Findings(source)
+    read(source, findings)
+    findings.refuse_errors()
+
+
 def domain_for(problem: Source, others: Iterable[Source]) -> Source | None:
     """The first of some texts that defines the domain which a problem names."""
     _, problems = read(problem, Findings(problem))

@@ -25,9 +25,9 @@ from cleancli.conversion.pddl.words import Group, Node, Word
 from cleancli.language.diagnostics.diagnostic import Span
 from cleancli.language.diagnostics.sink import Findings
 
-# Numbers are bounded, so that none takes long to compute with.
+# Bounded, so that none takes long to compute with; `Reader.bounded` refuses what no .nid file can state.
 _NUMBER = re.compile(
-    r"-?([0-9]{1,18}(\.[0-9]{0,60})?|\.[0-9]{1,60})(e[-+]?[0-9]{1,2})?|-?[0-9]{1,18}/[0-9]{1,18}"
+    r"-?([0-9]{1,400}(\.[0-9]{0,400})?|\.[0-9]{1,400})(e[-+]?[0-9]{1,3})?|-?[0-9]{1,400}/[0-9]{1,400}"
 )
 _COMPARES = frozenset({"<", "<=", ">", ">="})
 _UNSAID = {

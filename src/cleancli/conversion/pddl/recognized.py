@@ -14,5 +14,6 @@ _BEGINNING = re.compile(r"\ufeff?(\s|;[^\r\n]*[\r\n])*\(")
 
 
 def is_pddl(source: Source) -> bool:
-    """Whether a text is PDDL: its first sign is a parenthesis, with which no .nid file begins."""
-    return _BEGINNING.match(source.text) is not None
+    """Whether a text is PDDL: its file is called so, or its first sign is a parenthesis, with which no .nid
+    file begins."""
+    return source.path.lower().endswith(SUFFIXES) or _BEGINNING.match(source.text) is not None
