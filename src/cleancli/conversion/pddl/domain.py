@@ -116,7 +116,7 @@ def problem_of(
         name,
         domain.name,
         tuple(thing for thing in things if thing not in constants) if constants else things,
-        start.facts - {fact for fact in start.facts if fact.symbol not in known},
+        start.facts.difference(fact for fact in start.facts if fact.symbol not in known),
         Horizon(horizon) if earned else Unlimited(),
         1.0,
         start.goal,

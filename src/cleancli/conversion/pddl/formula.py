@@ -184,7 +184,11 @@ def substituted(formula: Formula, terms: Mapping[Term, Term], may_be_one: MayBeO
 
 def apart(variable: Variable, met: Iterable[Term]) -> Variable:
     """The variable, under another name where one of these has its name."""
-    names = {term.name for term in met}
+    return named_apart(variable, {term.name for term in met})
+
+
+def named_apart(variable: Variable, names: Collection[str]) -> Variable:
+    """The variable, under another name where its own is among these."""
     name, number = variable.name, 2
     while name in names:
         name, number = f"{variable.name}_{number}", number + 1

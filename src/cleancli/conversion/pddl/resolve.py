@@ -18,6 +18,7 @@ from cleancli.conversion.pddl.formula import (
     equality,
     free_variables,
     literal,
+    named_apart,
     negated,
     quantified,
 )
@@ -102,6 +103,7 @@ class Words:
         self._names = Naming(sources)
         self._is_alone = not problems
         self.constants = self._declared(domain.constants, domain.span.path, {})
+        self._constant_names = {constant.name for constant in self.constants.values()}
         self.objects = [
             self._declared(problem.objects, problem.span.path, self.constants) for problem in problems
         ]
@@ -253,14 +255,14 @@ class Words:
     def bound(self, typed: Sequence[Typed], scope: Scope) -> tuple[tuple[Variable, ...], Scope, Formula]:
         """The variables of a quantifier or a schema, the scope inside of it, and what `either` asks of the
         variables. No variable has the name of another around it, or of an object."""
-        taken: list[Term] = [*scope.around, *self.constants.values()]
+        taken = {term.name for term in scope.around} | self._constant_names
         own, asked = dict[str, Variable](), list[Formula]()
         for each in typed:
             if each.name.text in own:
                 self.findings.error("E916", f"`{each.name.text}` is bound twice here", each.name.span)
             kind, members = self.types.of(each.types)
-            variable = apart(Variable(readable(each.name.text, "v"), kind), taken)
-            taken.append(variable)
+            variable = named_apart(Variable(readable(each.name.text, "v"), kind), taken)
+            taken.add(variable.name)
             own[each.name.text] = variable
             asked.append(self._of_types(variable, members))
         return tuple(own.values()), scope.inside(own), both(asked)
