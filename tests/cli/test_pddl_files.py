@@ -256,6 +256,34 @@ def test_a_mistake_that_hides_the_domain_is_told_when_files_are_written(
     assert "tidy.pddl:2:17: error[E915]: expected a name" in capsys.readouterr().err
 
 
+def test_a_file_beside_a_problem_that_is_no_text_hides_its_domain_from_no_check(
+    capsys: pytest.CaptureFixture[str],
+) -> None:
+    with Path("large.pddl").open("wb") as file:
+        file.truncate(1 << 30)
+    Path("latin.pddl").write_bytes("(define (domain küche))".encode("latin-1"))
+    assert run(["check", FILES[1]]) == 0
+    Path("empty.pddl").touch()
+    assert run(["check", "empty.pddl"]) == 1
+    assert "empty.pddl:1:1: error[E915]: no domain is defined" in capsys.readouterr().out
+    Path(FILES[0]).unlink()
+    assert run(["check", FILES[1]]) == 1
+    assert "error[E005]: `large.pddl` is larger than 8 MiB" in capsys.readouterr().out
+
+
+def test_a_path_that_leads_nowhere_is_refused(capsys: pytest.CaptureFixture[str]) -> None:
+    """By commands and in Python alike, and it is no advice to itself."""
+    long = f"{'a' * 300}.pddl"
+    Path("nowhere.pddl").symlink_to("gone.pddl")
+    for files in ((long, FILES[1]), (FILES[0], long)):
+        assert run(["plan", *files]) == 1
+        assert f"error[E003]: cannot read `{long}`" in capsys.readouterr().err
+        with pytest.raises(cleancli.Refused):
+            cleancli.plan(*files)
+    assert run(["plan", "nowhere.pddl", FILES[1]]) == 1
+    assert "did you mean `nowhere.pddl`" not in capsys.readouterr().err
+
+
 def test_a_goal_of_many_variables_neither_stalls_nor_fills_memory(capsys: pytest.CaptureFixture[str]) -> None:
     """A check leaves what is large to `plan`, and that says what is too large (E604)."""
     variables = [f"?v{number}" for number in range(30)]

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Iterator
 from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING
@@ -159,14 +159,18 @@ def _domain_of(source: Source, path: Path) -> Source:
 
 def _check_pddl(source: Source, others: Iterable[str]) -> tuple[tuple[Diagnostic, ...], tuple[Source, ...]]:
     """What is found in a PPDDL file. The domain of one that defines none is sought in the files beside it,
-    then in `others`. A domain may leave to problems what these say: who checks a problem reads it again with
-    it. Large problems are not grounded: their rules were made so that nothing conflicts."""
+    then in `others`; those that cannot be read are passed over where another is it. A domain may leave to
+    problems what these say: who checks a problem reads it again with it. Large problems are not grounded:
+    their rules were made so that nothing conflicts."""
     from cleancli.conversion.pddl.models import defines_domain, defines_problem, domain_for, models_of
 
-    if not defines_domain(source):
+    if defines_problem(source) and not defines_domain(source):
         paths = [*sorted(Path(source.path).parent.glob("*")), *map(Path, others)]
         pddl = [str(path) for path in paths if path.suffix.lower() in SUFFIXES and path.is_file()]
-        domain = domain_for(source, (read_source(path) for path in pddl if path != source.path))
+        unread: list[Refused] = []
+        domain = domain_for(source, _readable((path for path in pddl if path != source.path), unread))
+        if domain is None and unread:
+            raise unread[0]
         made = models_of(domain or source, source)
     else:
         made = models_of(source, source if defines_problem(source) else None, is_open=True)
@@ -179,6 +183,15 @@ def _check_pddl(source: Source, others: Iterable[str]) -> tuple[tuple[Diagnostic
         for each in _grounded(source, made.domain, problem, number)
     ]
     return (*made.diagnostics, *grounded), made.sources
+
+
+def _readable(paths: Iterable[str], unread: list[Refused]) -> Iterator[Source]:
+    """The texts of files; of those that cannot be read why, in `unread`."""
+    for path in paths:
+        try:
+            yield read_source(path)
+        except Refused as refused:
+            unread.append(refused)
 
 
 def _check_study(source: Source) -> tuple[tuple[Diagnostic, ...], tuple[Source, ...]]:

@@ -7,6 +7,7 @@ from pathlib import Path
 
 from cleancli.language.diagnostics.diagnostic import Diagnostic
 from cleancli.language.diagnostics.refused import Refused
+from cleancli.language.parsing.read import refused_as
 from cleancli.resources import shipped, shipped_names
 
 _ONE = {"domains": "domain", "problems": "problem", "studies": "study"}
@@ -19,11 +20,12 @@ def find(name_or_path: str, *kinds: str, folder: Path | None = None) -> Path:
     `kinds` are the folders to seek a bare name in, in order; what lies in `folder` goes by its name too, and
     is suggested where it is near. A folder that happens to have the name of a shipped file does not hide it.
     Raises Refused (E001) that lists near names, paths of near files in the folder of the path, and all
-    shipped ones.
+    shipped ones; E003 for a path that cannot be looked at.
     """
     path = Path(name_or_path)
-    if path.is_file():
-        return path
+    with refused_as(name_or_path):
+        if path.is_file():
+            return path
     bare = name_or_path.removesuffix(".nid")
     for kind in kinds:
         if bare in shipped_names(kind):
@@ -56,7 +58,8 @@ def _like(path: Path) -> dict[str, str]:
     """The files in the folder of a path that end as it does, by their stems; none for a bare name."""
     if not path.suffix:
         return {}
-    return {each.stem: str(each) for each in sorted(path.parent.glob("*")) if each.suffix == path.suffix}
+    alike = (each for each in sorted(path.parent.glob("*")) if each.suffix == path.suffix)
+    return {each.stem: str(each) for each in alike if each.is_file()}
 
 
 def find_beside(path: Path, name: str, kind: str) -> Path:
