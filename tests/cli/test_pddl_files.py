@@ -268,7 +268,26 @@ def test_a_file_beside_a_problem_that_is_no_text_hides_its_domain_from_no_check(
     assert "empty.pddl:1:1: error[E915]: no domain is defined" in capsys.readouterr().out
     Path(FILES[0]).unlink()
     assert run(["check", FILES[1]]) == 1
-    assert "error[E005]: `large.pddl` is larger than 8 MiB" in capsys.readouterr().out
+    out = capsys.readouterr().out
+    assert "tidy_two.pddl:2:12: error[E916]: unknown domain `tidy`" in out
+    assert "error[E005]: `large.pddl` is larger than 8 MiB" in out
+
+
+@pytest.mark.parametrize(
+    ("named", "told"),
+    [
+        ("(:domain tidyy)", "tidy_two.pddl:2:12: error[E916]: unknown domain `tidyy`"),
+        ("", "tidy_two.pddl:1:1: error[E915]: this problem names no domain"),
+    ],
+)
+def test_a_problem_whose_domain_is_not_found_says_which(
+    named: str, told: str, capsys: pytest.CaptureFixture[str]
+) -> None:
+    changed("tidy_two.pddl", "(:domain tidy)", named)
+    assert run(["check", *FILES]) == 1
+    out = capsys.readouterr().out
+    assert told in out
+    assert ("did you mean `tidy`?" in out) == bool(named)
 
 
 def test_a_path_that_leads_nowhere_is_refused(capsys: pytest.CaptureFixture[str]) -> None:

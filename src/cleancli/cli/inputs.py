@@ -168,10 +168,12 @@ def _check_pddl(source: Source, others: Iterable[str]) -> tuple[tuple[Diagnostic
         paths = [*sorted(Path(source.path).parent.glob("*")), *map(Path, others)]
         pddl = [str(path) for path in paths if path.suffix.lower() in SUFFIXES and path.is_file()]
         unread: list[Refused] = []
-        domain = domain_for(source, _readable((path for path in pddl if path != source.path), unread))
-        if domain is None and unread:
-            raise unread[0]
-        made = models_of(domain or source, source)
+        try:
+            domain = domain_for(source, _readable((path for path in pddl if path != source.path), unread))
+        except Refused as refused:
+            others_told = [each for other in unread for each in other.diagnostics]
+            raise Refused([*refused.diagnostics, *others_told], refused.sources) from None
+        made = models_of(domain, source)
     else:
         made = models_of(source, source if defines_problem(source) else None, is_open=True)
     from cleancli.compiler.grounding_size import most_parts

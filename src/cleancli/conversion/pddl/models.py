@@ -35,14 +35,24 @@ def refuse_unreadable(source: Source) -> None:
     findings.refuse_errors()
 
 
-def domain_for(problem: Source, others: Iterable[Source]) -> Source | None:
-    """The first of some texts that defines the domain which a problem names."""
-    _, problems = read(problem, Findings(problem))
-    wanted = {each.domain for each in problems}
-    for other in others:
-        if is_pddl(other) and any(domain.name in wanted for domain in read(other, Findings(other))[0]):
+def domain_for(problem: Source, others: Iterable[Source]) -> Source:
+    """The first of some texts that defines the domain which a problem names. Raises Refused where none does:
+    E915 for a problem that names no domain, E916 for one that is not found."""
+    findings = Findings(problem)
+    wanted = [each.domain for each in read(problem, findings)[1]]
+    found = list[str]()
+    for other in filter(is_pddl, others):
+        names = [domain.name for domain in read(other, Findings(other))[0]]
+        if any(name in wanted for name in names):
             return other
-    return None
+        found += [name.text for name in names]
+    named = [name for name in wanted if name is not None]
+    if named:
+        findings.unknown("E916", "domain", named[0].text, named[0].span, found)
+    else:
+        help = "write `(:domain NAME)`, or give the domain's file as well"
+        findings.error("E915", "this problem names no domain", Span(problem.path, 0, 0), help=help)
+    raise Refused(findings.sorted, findings.sources)
 
 
 @dataclass(frozen=True, slots=True)

@@ -16,6 +16,7 @@ from cleancli.conversion.pddl.syntax import (
     AtomNode,
     DomainNode,
     FactsNode,
+    Name,
     ProblemNode,
     SetNode,
 )
@@ -24,6 +25,10 @@ from cleancli.language.model import Condition, Fact, Object, RewardKind, RewardT
 
 _GOAL_WORDS = frozenset({"total-time", "goal-probability", "goal-achieved"})
 """What a metric may name that is no function: the goal, and how many actions it takes, count anyway."""
+
+
+_USUAL_FUNCTIONS = ("total-cost", "reward")
+"""What nobody has to declare."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -45,7 +50,7 @@ class Metric:
 
 def metric_of(domain: DomainNode, problems: Sequence[ProblemNode], findings: Findings) -> Metric:
     """The metric that all problems have; E917 where they have different ones."""
-    found = [_metric(problem, findings) for problem in problems] or [_usual(domain)]
+    found = [_metric(problem, domain, findings) for problem in problems] or [_usual(domain)]
     for problem, metric in zip(problems[1:], found[1:], strict=False):
         if metric != found[0]:
             message = f"`{problem.name.text}` wants something else than `{problems[0].name.text}`"
@@ -61,7 +66,7 @@ def _usual(domain: DomainNode) -> Metric:
     return Metric({"total-cost": 1}, Fraction(1), False)
 
 
-def _metric(problem: ProblemNode, findings: Findings) -> Metric:
+def _metric(problem: ProblemNode, domain: DomainNode, findings: Findings) -> Metric:
     node, paid = problem.metric, problem.goal_reward
     counted: dict[str, int] = {}
     if node is None:
@@ -69,10 +74,23 @@ def _metric(problem: ProblemNode, findings: Findings) -> Metric:
     elif node.function is None:
         findings.error("E917", "a metric is one function here", node.span)
     elif node.function.text not in _GOAL_WORDS:
+        _look_at(node.function, [each.name.text for each in domain.functions], findings)
         counted[node.function.text] = -1 if node.greatest else 1
     earned = bool(counted) and (-1 in counted.values() or problem.goal is None)
     usual = Fraction(0) if earned else Fraction(1)
     return Metric(counted, usual if paid is None else paid, earned or problem.goal is None)
+
+
+def _look_at(function: Name, declared: Sequence[str], findings: Findings) -> None:
+    """E916 for a function of a metric that is nearly another's, W911 for one that is not declared."""
+    if function.text in (*declared, *_USUAL_FUNCTIONS):
+        return
+    help = findings.meant(function.text, [*declared, *_USUAL_FUNCTIONS], "function")
+    if help.startswith("did you mean"):
+        findings.error("E916", f"unknown function `{function.text}`", function.span, help=help)
+    else:
+        message = f"the function `{function.text}` is not declared"
+        findings.warning("W911", message, function.span, "taken as one")
 
 
 @dataclass(frozen=True, slots=True)
@@ -120,14 +138,18 @@ def _facts(problem: ProblemNode, words: Words, objects: Mapping[str, Object]) ->
     if len(found) < len(rows):
         found, reader = set(), Reader(problem.span.path, words.findings)
         atoms += [(reader.atom(group), True) for node in together for group in node.groups]
-    for atom, holds in atoms:
-        fact = _resolved(atom, words, objects)
+    resolved = [(atom, holds, _resolved(atom, words, objects)) for atom, holds in atoms]
+    for atom, holds, fact in resolved:
         if fact is None or not holds:
             continue
         if fact in found:
             message = f"`{atom.symbol.text}` holds twice of the same"
             words.findings.warning("W911", message, atom.span, "passed over")
         found.add(fact)
+    for atom, holds, fact in resolved:
+        if not holds and fact in found:
+            message = f"`{atom.symbol.text}` holds, and does not hold, of the same"
+            words.findings.warning("W911", message, atom.span, "taken to hold")
     return frozenset(found)
 
 

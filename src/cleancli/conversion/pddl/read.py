@@ -45,6 +45,9 @@ _Sections = Mapping[str, Sequence[Group]]
 """The sections of a domain or problem by the word that they begin with."""
 
 
+_JOIN = "join conditions by `and`"
+
+
 def read(source: Source, findings: Findings) -> tuple[tuple[DomainNode, ...], tuple[ProblemNode, ...]]:
     """The domains and problems of a text; E915 and E917 for what cannot be read, W911 for what was mended."""
     reader = Reader(source.path, findings)
@@ -199,18 +202,23 @@ def _keyed(items: Sequence[Node], reader: Reader) -> dict[str, Node]:
 
 
 def _problem(name: Group, sections: _Sections, reader: Reader) -> ProblemNode:
-    def last(head: str) -> Node | None:
-        """The one thing that a section holds."""
+    def only(head: str) -> Node | None:
+        """The one thing that the one section holds."""
         found = sections.get(head)
         if not found:
             return None
-        if len(found[-1].items) < 2:
-            raise Unreadable(f"nothing stands behind `{head}`", reader.span(found[-1]))
-        return found[-1].items[1]
+        if len(found) > 1:
+            raise Unreadable(f"a second `{head}` stands here", reader.span(found[1]), "leave one")
+        items = found[0].items
+        if len(items) < 2:
+            raise Unreadable(f"nothing stands behind `{head}`", reader.span(found[0]))
+        if len(items) > 2:
+            raise Unreadable(f"`{head}` holds one thing, and this is a second", reader.span(items[2]), _JOIN)
+        return items[1]
 
     facts, values = _init(sections.get(":init", ()), reader)
-    domain, goal = last(":domain"), last(":goal")
-    rewarded, surely = last(":goal-reward"), last(":goal-probability")
+    domain, goal = only(":domain"), only(":goal")
+    rewarded, surely = only(":goal-reward"), only(":goal-probability")
     return ProblemNode(
         _named(name, reader),
         None if domain is None else reader.name(domain, "the name of a domain"),
