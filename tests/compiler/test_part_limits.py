@@ -94,6 +94,21 @@ def test_parts_of_a_task_are_counted_before_it_is_made(when: str, effect: str, g
     assert grounding_size.most_parts(*checked) == parts + 4 * 4 + 4 * 9
 
 
+def test_parts_under_many_conditions_count_for_more() -> None:
+    """Seven conditions divide each of four instances into 128 cases: its eight parts count 13 times."""
+    names = [f"p{number}" for number in range(7)]
+    predicates = " ".join(f"{name}(?a - area)" for name in names)
+    effects = ", ".join(f"if {name}(?a) => not {name}(?a)" for name in names)
+    text = f"""domain d {{ types {{ area }} predicates {{ dirt(?a - area) wet(?a - area) {predicates} }}
+        derived {{ dirty := count ?a - area: dirt(?a) }}
+        actions {{ wipe(?a - area) }}
+        rule wiped: wipe(?a) {{ then 0.5: {effects} rest: nothing }}
+        reward {{ decrease(dirty) }} }}"""
+    few = text.replace(effects, "if p0(?a) => not p0(?a)")
+    assert grounding_size.most_parts(*from_text.checked(few, AREAS)) == 4 * (1 + 1)
+    assert grounding_size.most_parts(*from_text.checked(text, AREAS)) == 4 * (1 + 7) * (1 + 12)
+
+
 @pytest.mark.parametrize(("most", "refused"), [(20, False), (19, True)])
 def test_just_as_many_groundings_as_fit(most: int, refused: bool, monkeypatch: pytest.MonkeyPatch) -> None:
     """Four of `wiped` and sixteen of `linked`."""
