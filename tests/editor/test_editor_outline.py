@@ -59,6 +59,21 @@ def test_colours_tell_words_apart_that_look_alike() -> None:
     ]
 
 
+def test_colours_of_what_is_paid() -> None:
+    paid = "reward -= 2 + 1/3 * far(?a), cost += far(bin)"
+    text = f"domain tables {{ rule r: push(?a) {{ then 1: {paid} }} }}"
+    assert coloured("tables.nid", text)[-8:] == [
+        ("reward", "modifier"),
+        ("2", "number"),
+        ("1/3", "number"),
+        ("far", "function"),
+        ("?a", "parameter"),
+        ("cost", "modifier"),
+        ("far", "function"),
+        ("bin", "variable"),
+    ]
+
+
 def test_a_section_that_cannot_be_read_keeps_its_colours() -> None:
     whole = dict(coloured("tables.nid", DOMAIN))
     broken = dict(coloured("tables.nid", DOMAIN.replace("0.9: not", "0.9 not")))

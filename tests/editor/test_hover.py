@@ -40,6 +40,16 @@ def test_declarations(name: str, mark: str, expected: list[str]) -> None:
         assert words in text
 
 
+@pytest.mark.parametrize(
+    "paid", ["reward += |weight(?x)", "reward -= 2 + 0.5 * |weight(?x)", "cost += |weight(bin)"]
+)
+def test_what_an_outcome_pays_by_is_declared_somewhere(paid: str) -> None:
+    asked, offset, library = marked("tables.nid", DOMAIN.replace("size(?x) := medium", paid))
+    found = hover(asked, offset, library)
+    assert found is not None
+    assert "function weight(?a - area): small < large" in found.text
+
+
 def test_a_rule_sums_its_outcomes_and_counts_its_groundings() -> None:
     text = shown("tables.nid", "rule |push_small")
     assert "rule push_small: push(?x)" in text

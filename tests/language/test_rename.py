@@ -59,6 +59,34 @@ def _changed_lines(old: str, new: str) -> list[str]:
     return [b.strip() for a, b in zip(old.splitlines(), new.splitlines(), strict=True) if a != b]
 
 
+FISHING = Source(
+    "fishing",
+    """domain fishing {
+  types      { pond; boat }
+  predicates { at(?b - boat ?p - pond) }
+  functions  { size(?p - pond): 0..9 [static] }
+  actions    { cast(?p - pond) [cost = 1 + 2 * size(?p)] }
+  rule cast_it: cast(?p) {
+    with ?b - boat: at(?b, ?p)
+    then 0.5: reward += 2 + 0.5 * size(?p), cost += size(?p) + 3 * size(?p)
+         rest: nothing
+  }
+  reward { - cost }
+}
+""",
+)
+
+
+def test_a_function_is_renamed_in_what_is_paid_and_so_are_its_variables() -> None:
+    wider = _renamed(FISHING, "size", "width")
+    assert "cost = 1 + 2 * width(?p)" in wider
+    assert "reward += 2 + 0.5 * width(?p), cost += width(?p) + 3 * width(?p)" in wider
+    assert "size" not in wider
+    offset = FISHING.text.index("?p), cost")
+    assert len(occurrences(FISHING, offset)) == 5  # those of the rule
+    assert load_domain(Source("fishing", wider)).rules[0].outcomes[0].reward.parts[0].symbol == "width"
+
+
 def test_every_name_in_the_tree_has_a_meaning() -> None:
     """A node that the grammar gains must say what its names stand for."""
     known = {*name_index.DECLARED, *name_index.USED, (syntax.Group, "names")}

@@ -133,12 +133,17 @@ def _marks(place: Context, asked: Document, library: Library) -> Iterator[Comple
         for text in dict.fromkeys(_parameters_before(place.words)):
             yield Completion(text, Kind.VARIABLE, place.start, "variable")
     elif place.section == "actions" and place.last in ("=", "+", "*") and place.takes("NAME"):
-        for each in library.visible(asked):
-            if isinstance(each.node, syntax.FunctionNode) and isinstance(each.node.values, syntax.Bounds):
-                yield _completion(place, each, asked, library)
+        yield from _priced(place, asked, library)
     elif place.last in ("[", ",") and place.takes("NAME"):
         for mark in MARKS.get(place.section, ()):
             yield Completion(mark, Kind.MARK, place.start, "mark")
+
+
+def _priced(place: Context, asked: Document, library: Library) -> Iterator[Completion]:
+    """Functions that a price may be counted with: those of integers."""
+    for each in library.visible(asked):
+        if isinstance(each.node, syntax.FunctionNode) and isinstance(each.node.values, syntax.Bounds):
+            yield _completion(place, each, asked, library)
 
 
 def _in_header(place: Context, asked: Document, library: Library) -> Iterator[Completion]:
@@ -179,6 +184,9 @@ def _in_body(place: Context, asked: Document, library: Library) -> Iterator[Comp
         if texts[-1] != ":=":
             yield from _terms(place, asked, library, "")
             return
+    if place.section == "rule" and place.last in ("+=", "-=", "+", "*") and place.takes("NAME"):
+        yield from _priced(place, asked, library)
+        return
     for kind in _named_here(place):
         yield from _declared(place, asked, library, kind)
     if place.accepted is not None and "IF" in place.accepted:  # an effect begins
@@ -251,20 +259,24 @@ def _line(name: str, parents: dict[str, str]) -> list[str]:
 
 
 def _variables(place: Context) -> Iterator[Completion]:
-    """The variables bound before a place in its section: the header's, then those of quantifiers."""
+    """The variables bound before a place in its section: the header's, those of references, then those of
+    quantifiers."""
     header = place.words[: next((i for i, w in enumerate(place.words) if w.text == "{"), 0)]
+    known = [word.text for word in header if word.kind is LexemeKind.VARIABLE]
     quantified: list[str] = []
     pending: list[str] = []
+    refers = False
     for before, word in zip(place.words, place.words[1:], strict=False):
         if word.text == ":" and _ends_weight(before):
             quantified.clear()  # what a quantifier binds ends with its outcome
+        refers = word.text == "with" or (refers and word.text != ":")
         if word.kind is LexemeKind.VARIABLE:
             pending.append(word.text)
         elif word.text == "-":
-            quantified += pending
+            (known if refers else quantified).extend(pending)
         else:
             pending.clear()
-    for text in dict.fromkeys([w.text for w in header if w.kind is LexemeKind.VARIABLE] + quantified):
+    for text in dict.fromkeys(known + quantified):
         yield Completion(text, Kind.VARIABLE, place.start, "variable")
 
 
