@@ -14,7 +14,7 @@ from cleancli.language.diagnostics.refused import Refused
 from cleancli.language.load import load_domain, load_problem
 from cleancli.language.model import Assign, Domain, Problem
 from cleancli.planning.plan import BadOption
-from support.export_texts import LAMPS
+from support.export_texts import LAMPS, TOLL
 from support.exported_libprada import disagreements, library_of, written
 from support.shipped import shipped_domain, shipped_problem
 
@@ -437,3 +437,11 @@ domain d {
     (rule,) = library_of(written(domain, load_problem(Source("p.nid", text), domain))).rules
     digits = [result.probability * 10**15 for result in rule.results]
     assert digits == [666_666_666_666_666, 166_666_666_666_667, 166_666_666_666_667]
+
+
+def test_the_rules_whose_payments_are_left_out_are_named() -> None:
+    problem = "problem twice { domain = toll goal { there() } horizon = 2 }"
+    told = [note for note in cleancli.convert(TOLL, problem, to="libprada").notes if "outcomes pay" in note]
+    assert told == ["left out: what outcomes pay, of the rules go_there"]
+    free = TOLL.replace(", reward += 2", "").replace("cost += 1.5  rest: nothing", "there()  rest: nothing")
+    assert not any("outcomes pay" in note for note in cleancli.convert(free, problem, to="libprada").notes)

@@ -283,6 +283,9 @@ class _Writer:
         """What the files do not say as the .nid files do."""
         goal = "" if self._has_reward else "the goal, "
         found = [f"left out: rewards, costs, durations, {goal}the horizon and the discount"]
+        paying = [r.name for r in self._domain.rules if any(o.reward or o.cost for o in r.outcomes)]
+        if paying:
+            found.append(f"left out: what outcomes pay, of the rules {', '.join(paying)}")
         if self._has_reward:
             found.append("reward.dat pays in each state in which the goal holds")
         if self._counts_left_out:
