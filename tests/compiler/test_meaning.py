@@ -17,6 +17,7 @@ from cleancli.compiler.semantics import covering_rule, reaches_goal, reward, sam
 from cleancli.compiler.task import GroundState, Task
 from cleancli.language.diagnostics.refused import Refused
 from cleancli.language.model import Domain, Fact, Problem, RewardKind, State, Value
+from support.exported_ppddl import cost
 from support.handmade import JOIN_DRAGS, drags_problem
 from support.random_domains import NAMES, Generator
 
@@ -121,6 +122,8 @@ def test_rewards_are_what_the_domain_says(seed: int) -> None:
         counts = {c.name: len(list(view.extensions(c.variables, c.condition, {}))) for c in domain.counts}
         return {**counts, "goal": int(view.holds(problem.goal, {}))}
 
+    values = {(fact.symbol, fact.objects): fact.value for fact in problem.state}
+    costs = [float(cost(domain, values, each.name, each.objects)) for each in task.actions]
     states = reached(task)[:12]
     for before, after in itertools.product(states, repeat=2):
         was, now = measure(before), measure(after)
@@ -129,9 +132,8 @@ def test_rewards_are_what_the_domain_says(seed: int) -> None:
         expected = 2 * (was["reds"] - now["reds"]) - 0.5 * now["odd"] + 5 * (now["goal"] - was["goal"])
         assert reward(task, before, None, after) == pytest.approx(expected)
         assert reaches_goal(task, after) == bool(now["goal"])
-        for action, each in enumerate(task.actions):
-            cost = 0.25 if each.name == "one" else 0.0
-            assert reward(task, before, action, after) == pytest.approx(expected - cost)
+        for action, taken in enumerate(costs):
+            assert reward(task, before, action, after) == pytest.approx(expected - taken)
 
 
 def test_few_random_domains_are_refused() -> None:

@@ -7,6 +7,7 @@ different symbols, so that nothing but the number of cases can be refused.
 from __future__ import annotations
 
 import itertools
+from dataclasses import replace
 from fractions import Fraction
 
 import numpy as np
@@ -27,6 +28,7 @@ from cleancli.language.model import (
     OutcomeKind,
     Parameter,
     Price,
+    PricePart,
     Problem,
     Quantified,
     Reference,
@@ -42,25 +44,28 @@ from cleancli.language.model import (
 
 X, Y, Z, W = (Variable(name, "thing") for name in "xyzw")
 HOME = Object("home", "place")
-THING = Variable("p", "thing")
+THING, PLACE = Variable("p", "thing"), Variable("q", "place")
 NAMES = ("a", "b", "c")
 GRADES = ("low", "middle", "high")
 FALSE, TRUE = frozenset({False}), frozenset({True})
 
 
 class Generator:
-    """One random domain and problem per seed."""
+    """One random domain and problem per seed; prices have draws of their own."""
 
     def __init__(self, seed: int) -> None:
         self.rng = np.random.default_rng(seed)
+        self.prices = np.random.default_rng([seed, 1])
         self.symbols = (
             Symbol("red", (THING,)),
             Symbol("wet", (THING,)),
             Symbol("on", (X, Y), symmetric=bool(self.rng.random() < 0.3)),
-            Symbol("at", (THING, Variable("q", "place"))),
+            Symbol("at", (THING, PLACE)),
             Symbol("beside", (X, Y), symmetric=True, static=True),
             Symbol("grade", (THING,), GRADES),
             Symbol("load", (THING,), (0, 1, 2)),
+            Symbol("far", (X, Y), (0, 1, 2, 3), static=True),
+            Symbol("fare", (PLACE,), (1, 2, 3), static=True),
         )
         chosen = Literal("red", (Y,), self._either())
         self.derived = (
@@ -82,7 +87,10 @@ class Generator:
                 Count("reds", (X,), (Literal("red", (X,), TRUE),)),
                 Count("odd", (X,), self._condition([X], 2)),
             ),
-            actions=(Action("one", (X,), cost=Price(Fraction(1, 4))), Action("two", (X, Y))),
+            actions=(
+                Action("one", (X,), cost=Price(Fraction(1, 4)) + self._price([X], False)),
+                Action("two", (X, Y), cost=self._price([X, Y], False)),
+            ),
             rules=tuple(
                 self._rule(name, action, variables, value)
                 for action, variables in (("one", (X,)), ("two", (X, Y)))
@@ -107,6 +115,8 @@ class Generator:
             *(Fact("at", (n, "home")) for n in NAMES if self.rng.random() < 0.5),
             *(Fact("grade", (n,), str(self.rng.choice(GRADES))) for n in NAMES),
             *(Fact("load", (n,), int(self.rng.integers(3))) for n in NAMES),
+            *(Fact("far", pair, int(self.prices.integers(4))) for pair in itertools.product(NAMES, repeat=2)),
+            Fact("fare", ("home",), int(self.prices.integers(1, 4))),
         ]
         goal = (Quantified(bool(self.rng.random() < 0.5), (X,), self._inner([X])),)
         objects = tuple(Object(name, "thing") for name in NAMES)
@@ -181,12 +191,33 @@ class Generator:
                 references += (Reference((W,), self._inner([*terms, W])),)
                 terms.append(W)
         outcomes = (
-            Outcome(Fraction(1, 2), OutcomeKind.CHANGE, self._effects(terms), parameter="half"),
-            Outcome(Fraction(3, 10), OutcomeKind.CHANGE, self._effects(terms)),
+            self._paying(
+                Outcome(Fraction(1, 2), OutcomeKind.CHANGE, self._effects(terms), parameter="half"), terms
+            ),
+            self._paying(Outcome(Fraction(3, 10), OutcomeKind.CHANGE, self._effects(terms)), terms),
             Outcome(Fraction(2, 10), OutcomeKind.NOISE, is_rest=True),
-            Outcome(Fraction(0), OutcomeKind.CHANGE, self._effects(terms)),
+            self._paying(Outcome(Fraction(0), OutcomeKind.CHANGE, self._effects(terms)), terms),
         )
         return Rule(name, action, variables, condition, outcomes, references)
+
+    def _paying(self, outcome: Outcome, terms: list[Variable]) -> Outcome:
+        """The outcome, half of the time with something that it pays or costs."""
+        if self.prices.random() < 0.5:
+            return outcome
+        return replace(outcome, reward=self._price(terms, True), cost=self._price(terms, False))
+
+    def _price(self, terms: list[Variable], may_fall: bool) -> Price:
+        """A number and up to two functions of these terms, or nothing."""
+        found = Price(Fraction(int(self.prices.integers(3)), 2))
+        for _ in range(int(self.prices.integers(3))):
+            weight = Fraction(int(self.prices.choice([1, 1, 2, 3])), int(self.prices.choice([1, 2, 3])))
+            one, other = (terms[int(each)] for each in self.prices.integers(len(terms), size=2))
+            about: tuple[str, tuple[Term, ...]] = ("fare", (HOME,))
+            if self.prices.random() < 0.7:
+                about = "far", (one, other)
+            falls = may_fall and self.prices.random() < 0.5
+            found += Price(parts=(PricePart(-weight if falls else weight, *about),))
+        return found
 
     def _effects(self, terms: list[Variable]) -> tuple[Assign | Shift | ForAll, ...]:
         chosen = self.rng.permutation(["red", "wet", "on", "at", "grade", "load"])[:2]
