@@ -19,7 +19,7 @@ from support.differential.worth import Worth
 
 EPISODES = 200
 """So many side by side, as many as draws of which frequencies are compared."""
-ACTIONS = 3
+ACTIONS = 2
 
 
 def compare_environment(
