@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import re
 from pathlib import Path
 
 import pytest
@@ -65,6 +66,10 @@ def test_show_and_compile_know_all_of_it(capsys: pytest.CaptureFixture[str]) -> 
     for name in ("symbols", "derived", "counts"):
         start = lines.index(name) + 1
         assert data[name] == lines[start : start + len(data[name])], "as people are shown it"
+    costs = {f"cost {each['cost']}" for each in data["actions"] if each["cost"] is not None}
+    assert (
+        costs == {" ".join(words.split()[:2]) for words in re.findall(r"  (cost .*)", shown)} == {"cost 0.5"}
+    )
     counted = [{"name": "runs/tower-1", "sha256": "9f86d081884c7d65", "transitions": 3}]
     settings = {"estimator": "decreasing_m", "m": 10.0, "match": "shared", "forgetting": 0.0}
     assert data["learned"] == {**settings, "experience": counted}

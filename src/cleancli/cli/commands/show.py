@@ -249,6 +249,7 @@ def _action_data(domain: Domain, action: Action, sizes: Sizes | None) -> dict[st
         "name": action.name,
         "parameters": {variable.name: variable.type for variable in action.parameters},
         "duration": action.duration,
+        "cost": print_price(action.cost) if action.cost else None,
         **({} if sizes is None else {"groundings": sizes.actions[action.name]}),
         "rules": [_rule_data(domain, number, rule, sizes) for number, rule in rules],
     }
