@@ -23,6 +23,10 @@ NUMBERS = """
 compiler.grounding_size.RULE_BYTES / 1024 | planners.md | at {:.0f} KiB each
 compiler.grounding_size.PART_BYTES | planners.md | literals and effects at {} bytes
 compiler.disjoint_cases.CASE_LIMIT | planners.md | into more than {:,} cases
+compiler.exclusive_pairs.MOST_VALUES | planners.md | more than {:,} values of all state variables
+compiler.exclusive_pairs.MOST_WAYS | planners.md | {:,} ways in which outcomes leave them
+compiler.exclusive_pairs.MOST_LOOKS | planners.md | {:,} ways and pairs of ways
+compiler.exclusive_pairs.MOST_DROPPED | planners.md | {:,} cases that are left out before they are whole
 compiler.partial_evaluation.STEP_LIMIT | planners.md | too many paths ({:,} steps)
 compiler.semantics.SUPPORT_LIMIT | planners.md | follows the whole distribution, up to {:,} states
 planning.evaluation.value.RUNS | planning.md | the mean of {:,} drawn runs

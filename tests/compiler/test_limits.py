@@ -154,15 +154,11 @@ def test_too_many_cases_are_refused_with_the_part_to_blame() -> None:
 def test_a_quantifier_with_too_many_cases_is_named() -> None:
     exists = Quantified(False, (A, B), (true("on", A, B), true("on", B, A)))
     rule = domain((exists, Equality(A, B, True), Equality(B, M, True)), put("on", A, B))
-    everywhere = ForAll((A, B), (), (put("on", A, B), put("dirt", A)))
-    rule = replace(rule, rules=(*rule.rules, _other(everywhere)))
+    anywhere = Outcome(Fraction(1), OutcomeKind.CHANGE, (put("on", A, B), put("dirt", A)))
+    rule = replace(rule, rules=(*rule.rules, Rule("fill", "fill", (A, B), (), (anywhere,))))
     found = refusal(rule, problem(7))
     assert found.code == "E605"
     assert "because of `not exists ?a ?b: on(?a, ?b), on(?b, ?a)`" in found.message
-
-
-def _other(effect: ForAll) -> Rule:
-    return Rule("fill", "fill", (), (), (Outcome(Fraction(1), OutcomeKind.CHANGE, (effect,)),))
 
 
 def test_a_closure_with_too_many_paths_is_refused() -> None:

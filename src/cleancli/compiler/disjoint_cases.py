@@ -18,7 +18,9 @@ from cleancli.compiler.ground_formula import (
     ALWAYS,
     Formula,
     Known,
+    Possible,
     Requirement,
+    anything,
     conjunction,
     disjoint,
     negation,
@@ -53,19 +55,22 @@ class TooManyCases(Exception):
     """An instance has more than `CASE_LIMIT` cases."""
 
 
-def cases_of(instance: Instance, conditions: Conditions, known: Known) -> list[Case]:
-    """All cases of an instance, where `known` says what a key can ever be. Raises `TooManyCases`."""
-    found = list(itertools.islice(_cases(instance, conditions, known), CASE_LIMIT + 1))
+def cases_of(
+    instance: Instance, conditions: Conditions, known: Known, possible: Possible = anything
+) -> list[Case]:
+    """All cases of an instance that are possible, where `known` says what a key can ever be. Raises
+    `TooManyCases`."""
+    found = list(itertools.islice(_cases(instance, conditions, known, possible), CASE_LIMIT + 1))
     if len(found) > CASE_LIMIT:
         raise TooManyCases
     return found
 
 
-def _cases(instance: Instance, conditions: Conditions, known: Known) -> Iterator[Case]:
+def _cases(instance: Instance, conditions: Conditions, known: Known, possible: Possible) -> Iterator[Case]:
     effects = _settled(instance, conditions, known) if instance.effects else []
-    for required in disjoint(instance.condition, known):
-        for decided, happening in _happening(required, effects, conditions, known):
-            yield from _with_effects(instance, decided, happening, conditions, known)
+    for required in disjoint(instance.condition, known, possible):
+        for decided, happening in _happening(required, effects, conditions, known, possible):
+            yield from _with_effects(instance, decided, happening, conditions, known, possible)
 
 
 def _with_effects(
@@ -74,6 +79,7 @@ def _with_effects(
     happening: Sequence[StateEffect],
     conditions: Conditions,
     known: Known,
+    possible: Possible,
 ) -> Iterator[Case]:
     """The case in which just these effects happen, divided by the numbers that they shift."""
     changes = [dict(change) for change in instance.changes]
@@ -87,7 +93,7 @@ def _with_effects(
     two_values = [(place, key) for place, each in enumerate(changes) for key in each if len(each[key]) > 1]
     both = [(place, key) for place, key in amounts if key in changes[place]]
     shifts = [(place, key, amount) for (place, key), amount in amounts.items() if (place, key) not in both]
-    for decided, results in _shifted(required, shifts, conditions, known):
+    for decided, results in _shifted(required, shifts, conditions, known, possible):
         after = [dict(change) for change in changes]
         for place, key, value in results:
             after[place][key] = frozenset({value})
@@ -123,20 +129,28 @@ _Answer = TypeVar("_Answer")
 
 
 def _happening(
-    required: Requirement, effects: Sequence[StateEffect], conditions: Conditions, known: Known
+    required: Requirement,
+    effects: Sequence[StateEffect],
+    conditions: Conditions,
+    known: Known,
+    possible: Possible,
 ) -> Iterator[tuple[Requirement, list[StateEffect]]]:
     """The requirement divided until it says which effects happen."""
 
     def answers(here: Requirement, effect: StateEffect) -> Iterator[tuple[Requirement, StateEffect | None]]:
-        yield from ((place, effect) for place in _where(here, effect.when, known))
+        yield from ((place, effect) for place in _where(here, effect.when, known, possible))
         opposite = negation(effect.when, conditions.all_values)
-        yield from ((place, None) for place in _where(here, opposite, known))
+        yield from ((place, None) for place in _where(here, opposite, known, possible))
 
     return _divided(required, effects, answers)
 
 
 def _shifted(
-    required: Requirement, shifts: Sequence[tuple[int, Fluent, int]], conditions: Conditions, known: Known
+    required: Requirement,
+    shifts: Sequence[tuple[int, Fluent, int]],
+    conditions: Conditions,
+    known: Known,
+    possible: Possible,
 ) -> Iterator[tuple[Requirement, list[_Set]]]:
     """The requirement divided until it says what each number is after its shift (outcome, key and amount)."""
 
@@ -147,7 +161,9 @@ def _shifted(
         values = here.get(key) or known(key)
         for before in sorted(values):
             after = shifted(conditions.universe.symbols[key[0]], before, amount)
-            yield here if len(values) == 1 else {**here, key: frozenset({before})}, (place, key, after)
+            decided = here if len(values) == 1 else {**here, key: frozenset({before})}
+            if possible(decided):
+                yield decided, (place, key, after)
 
     return _divided(required, [shift for shift in shifts if shift[2] != 0], answers)
 
@@ -176,14 +192,16 @@ def _divided(
             yield found[0], [answer for answer in given if answer is not None]
 
 
-def _where(required: Requirement, formula: Formula | None, known: Known) -> Iterable[Requirement]:
+def _where(
+    required: Requirement, formula: Formula | None, known: Known, possible: Possible
+) -> Iterable[Requirement]:
     """The requirement where the formula holds, in cases that exclude each other."""
     if formula is None:
         return ()
     if formula.always:
         return (required,)
     both = conjunction((Formula(required), formula))
-    return () if both is None else disjoint(both, known)
+    return () if both is None else disjoint(both, known, possible)
 
 
 def too_many_cases(domain: Domain, instance: Instance, conditions: Conditions, known: Known) -> Diagnostic:

@@ -18,7 +18,9 @@ from cleancli.compiler.column_join import ColumnJoin
 from cleancli.compiler.conflict import conflicting_effects
 from cleancli.compiler.disjoint_cases import Case, TooManyCases, cases_of, too_many_cases
 from cleancli.compiler.encoding import Numbering
+from cleancli.compiler.exclusive_pairs import Allowed, Pair, TooManyDropped, pairs_of
 from cleancli.compiler.fluents import bind, values_of
+from cleancli.compiler.ground_formula import Possible, anything
 from cleancli.compiler.ground_rules import PlainWords, RuleGroundings, from_cases, from_columns
 from cleancli.compiler.grounding_size import RULE_LIMIT, refuse_too_many, too_many_cases_in_all
 from cleancli.compiler.instances import instances, instances_of
@@ -41,6 +43,7 @@ from cleancli.compiler.task import (
     Reaching,
     StateVariable,
     Task,
+    condition_order,
     literal_text,
     reaching_by,
 )
@@ -56,6 +59,10 @@ Called = tuple[str, tuple[str, ...]]
 def ground(domain: Domain, problem: Problem, *, compat: bool = False, named: Collection[Called] = ()) -> Task:
     """The task of a problem. Raises `Refused` with the E6xx diagnostics of docs/planners.md.
 
+    The task is for states that actions by these rules lead to from the problem's: it knows no other values,
+    and where an instance falls into too many cases, none of `unreachable` states. What meets states that came
+    about otherwise grounds anew where they are not of the task.
+
     Actions that are `named` are listed even if they can change nothing. `compat` grounds as libPRADA does:
     each binding of the references is a rule of its own, whether or not others fit too, and rules may overlap
     (no E603). Such a task is for planners that are asked for the same."""
@@ -64,7 +71,7 @@ def ground(domain: Domain, problem: Problem, *, compat: bool = False, named: Col
     _refuse(refuse_too_many(domain, problem, join))
     conditions = Conditions(universe)
     reach = Reach(instances(domain, conditions, join, compat=compat), universe)
-    cases = _cases(domain, reach, conditions)
+    cases, excluding = _cases(domain, reach, conditions, compat)
     _refuse(_conflicts(domain, cases, reach, conditions, join))
     numbering = Numbering(reach.changing, universe)
     prices = Prices(values_of(problem.state), weight_of(domain, RewardKind.COST))
@@ -93,6 +100,9 @@ def ground(domain: Domain, problem: Problem, *, compat: bool = False, named: Col
         waiting=waiting,
         reaching=_reaching(domain, problem, actions),
         price=price_of(domain),
+        unreachable=tuple(
+            sorted((numbering.condition(dict(pair)) for pair in excluding), key=condition_order)
+        ),
     )
 
 
@@ -108,14 +118,32 @@ def _refuse(diagnostics: Iterable[Diagnostic]) -> None:
         raise Refused(found)
 
 
-def _cases(domain: Domain, reach: Reach, conditions: Conditions) -> dict[int, list[Case]]:
-    """The cases of rules that are not plain, by rule."""
+def _cases(
+    domain: Domain, reach: Reach, conditions: Conditions, compat: bool
+) -> tuple[dict[int, list[Case]], Collection[Pair]]:
+    """The cases of rules that are not plain, by rule. Where they are too many, those alone that no two of
+    their literals exclude, and the pairs that exclude the others; but not for libPRADA, whose beliefs take
+    all values as possible together."""
+    try:
+        return _divided(domain, reach, conditions, anything), ()
+    except Refused:
+        pairs = None if compat else pairs_of(reach, conditions)
+        if pairs is None:
+            raise
+    allowed = Allowed(pairs)
+    return _divided(domain, reach, conditions, allowed), allowed.excluding
+
+
+def _divided(
+    domain: Domain, reach: Reach, conditions: Conditions, possible: Possible
+) -> dict[int, list[Case]]:
+    """The possible cases of rules that are not plain, by rule. Raises `Refused` (E605)."""
     most = RULE_LIMIT - sum(len(plain.objects) for plain in reach.plain)
     found: list[Case] = []
     for instance in reach.instances:
         try:
-            found += cases_of(instance, conditions, reach.known)
-        except TooManyCases:
+            found += cases_of(instance, conditions, reach.known, possible)
+        except (TooManyCases, TooManyDropped):
             raise Refused([too_many_cases(domain, instance, conditions, reach.known)]) from None
         if len(found) > most:
             raise Refused([too_many_cases_in_all(domain, found)])

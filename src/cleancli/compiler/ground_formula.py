@@ -19,6 +19,9 @@ Requirement = Mapping[Fluent, frozenset[Value]]
 Known = Callable[[Fluent], frozenset[Value]]
 """The values that a key may have, as far as is known."""
 
+Possible = Callable[[Requirement], bool]
+"""Whether a requirement may hold, as far as is known of values beside each other."""
+
 
 @dataclass(frozen=True, slots=True)
 class Formula:
@@ -105,19 +108,27 @@ def restricted(formula: Formula, known: Known) -> Formula | None:
     return Formula(required, tuple(choices))
 
 
-def disjoint(formula: Formula, known: Known) -> Iterator[Requirement]:
-    """Conjunctions that exclude each other and together mean the formula, always in the same order.
+def anything(required: Requirement) -> bool:
+    """That every requirement may hold: nothing is known of values beside each other."""
+    return True
+
+
+def disjoint(formula: Formula, known: Known, possible: Possible = anything) -> Iterator[Requirement]:
+    """Conjunctions that exclude each other and together mean the formula, always in the same order; without
+    those that are not possible.
 
     Shannon's expansion: what a choice still asks of a key is tried value by value, those values together
     that make no difference.
     """
     if formula.choices:
-        yield from _expanded({}, formula, known)
-    elif (left := restricted(formula, known)) is not None:
+        yield from _expanded({}, formula, known, possible)
+    elif (left := restricted(formula, known)) is not None and possible(left.required):
         yield left.required
 
 
-def _expanded(required: Requirement, formula: Formula, known: Known) -> Iterator[Requirement]:
+def _expanded(
+    required: Requirement, formula: Formula, known: Known, possible: Possible
+) -> Iterator[Requirement]:
     def now(key: Fluent) -> frozenset[Value]:
         return required.get(key) or known(key)
 
@@ -125,18 +136,20 @@ def _expanded(required: Requirement, formula: Formula, known: Known) -> Iterator
     if left is None:
         return
     required = {**required, **left.required}
+    if not possible(required):
+        return
     open_choices = Formula({}, left.choices)
     if not left.choices:
         yield required
     elif left.required:
-        yield from _expanded(required, open_choices, known)
+        yield from _expanded(required, open_choices, known, possible)
     else:
         mentions = list(_mentions(open_choices))
         often = Counter(key for key, _ in mentions)
         key = min(often, key=lambda key: (-often[key], key))
         asked = {values for other, values in mentions if other == key}
         for values in _indistinct(now(key), asked):
-            yield from _expanded({**required, key: values}, open_choices, known)
+            yield from _expanded({**required, key: values}, open_choices, known, possible)
 
 
 def _mentions(formula: Formula) -> Iterator[tuple[Fluent, frozenset[Value]]]:

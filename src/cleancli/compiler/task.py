@@ -172,6 +172,9 @@ class Task:
     covers it; otherwise it is never better than what comes next, and planners leave it out.
 
     Where the problem has no horizon, `reaching` is what counts; `horizon` is 0 then, and no reward counts.
+
+    In states of which a condition of `unreachable` holds, rules may be missing. From `initial`, and from each
+    state in which none holds, actions lead only to states in which none does.
     """
 
     variables: tuple[StateVariable, ...]
@@ -191,6 +194,7 @@ class Task:
     waiting: bool
     reaching: Reaching | None = None
     price: Fraction = Fraction(0)
+    unreachable: tuple[GroundCondition, ...] = ()
 
     @property
     def steps(self) -> int | None:
@@ -201,6 +205,11 @@ class Task:
 def holds(condition: GroundCondition, assignment: GroundState) -> bool:
     """Whether the assignment gives every variable of the condition one of the values it may have."""
     return all(assignment[variable] in allowed for variable, allowed in condition)
+
+
+def is_unreachable(task: Task, assignment: GroundState) -> bool:
+    """Whether the task may lack rules that cover a state, because no actions lead to it."""
+    return any(holds(condition, assignment) for condition in task.unreachable)
 
 
 def variables_of(condition: GroundCondition) -> list[int]:

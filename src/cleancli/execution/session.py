@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from cleancli.array_types import Image
-from cleancli.compiler.task import GroundState, Task
+from cleancli.compiler.task import GroundState, Task, is_unreachable
 from cleancli.execution.episode_state import World
 from cleancli.execution.kinematic_cell import KinematicCell
 from cleancli.execution.seeds import Stream, derived
@@ -157,6 +157,8 @@ def _assignment(saved: NDArray[Any], task: Task) -> GroundState:
     values = tuple(map(int, saved.tolist()))
     if any(not 0 <= value < size for value, size in zip(values, sizes, strict=True)):
         raise ValueError("a fact has a value that it cannot have")
+    if is_unreachable(task, values):
+        raise ValueError("two facts have values that they cannot have together")
     return values
 
 

@@ -16,7 +16,7 @@ from cleancli.compiler.ground import ground
 from cleancli.compiler.prices import by_functions
 from cleancli.compiler.rewards import costs_of
 from cleancli.compiler.semantics import covering_rule, payment, reaches_goal, reward, sample
-from cleancli.compiler.task import GroundAction, GroundState, Task, by_time, held
+from cleancli.compiler.task import GroundAction, GroundState, Task, by_time, held, is_unreachable
 from cleancli.language.model import Action, Domain, Fact, Problem, RewardKind, State, weight_of
 
 
@@ -93,7 +93,8 @@ def unchanging_facts(task: Task, facts: State) -> State:
 
 
 def assignment_of(task: Task, facts: State) -> GroundState | None:
-    """The state of the task that the facts say; None where a variable's value is not one of the task's."""
+    """The state of the task that the facts say; None where a variable's value is not one of the task's, or
+    where the task may lack rules for the state."""
     values = values_of(facts)
     found = []
     for variable in task.variables:
@@ -101,7 +102,8 @@ def assignment_of(task: Task, facts: State) -> GroundState | None:
         if value not in variable.values:
             return None
         found.append(variable.values.index(value))
-    return tuple(found)
+    state = tuple(found)
+    return None if is_unreachable(task, state) else state
 
 
 def do(
