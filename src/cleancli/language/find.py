@@ -7,7 +7,6 @@ from pathlib import Path
 
 from cleancli.language.diagnostics.diagnostic import Diagnostic
 from cleancli.language.diagnostics.refused import Refused
-from cleancli.language.parsing.read import refused_as
 from cleancli.resources import shipped, shipped_names
 
 _ONE = {"domains": "domain", "problems": "problem", "studies": "study"}
@@ -23,9 +22,15 @@ def find(name_or_path: str, *kinds: str, folder: Path | None = None) -> Path:
     shipped ones; E003 for a path that cannot be looked at.
     """
     path = Path(name_or_path)
-    with refused_as(name_or_path):
+    try:
         if path.is_file():
             return path
+    except (OSError, ValueError):
+        # Imported here because the parser loads lark, and commands seek names without it.
+        from cleancli.language.parsing.read import refused_as
+
+        with refused_as(name_or_path):
+            raise
     bare = name_or_path.removesuffix(".nid")
     for kind in kinds:
         if bare in shipped_names(kind):
