@@ -12,6 +12,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+import cleancli
 from cleancli.language.diagnostics.diagnostic import Source
 from cleancli.language.find import find
 from cleancli.language.load import load_domain, load_problem, read_source
@@ -30,7 +31,7 @@ def test_the_shipped_domain_comes_back_but_for_its_reward() -> None:
     problem = load_problem(read_source(find("three_areas", "problems")), domain)
     back = through_ppddl(domain, problem)
     assert back.lost == ("the reward (E917)",)
-    assert len(back.domain.actions) == len(domain.rules)
+    assert len(back.domain.rules) == len(domain.rules)
     assert list(disagreements(domain, problem, back, 40, np.random.default_rng(0))) == []
 
 
@@ -50,6 +51,65 @@ def test_drawn_domains_come_back(seed: int) -> None:
     domain, problem = generator.domain(), generator.problem()
     back = through_ppddl(domain, problem)
     assert list(disagreements(domain, problem, back, 10, np.random.default_rng(seed))) == []
+
+
+LAMPS = """
+domain lamps {
+  types      { lamp }
+  predicates { lit(?l - lamp)  broken(?l - lamp)  hot(?l - lamp) }
+  actions    { press(?l - lamp) [cost = 2]  mend(?l - lamp) [cost = 5]  and(?l - lamp) }
+  rule cold: press(?l) { when not lit(?l), not hot(?l)  then 0.9: lit(?l)  0.1: broken(?l), cost += 1 }
+  rule hot:  press(?m) { when not lit(?m), hot(?m)
+                         then 0.5: lit(?m), cost += 3  0.5: broken(?m), cost += 1 }
+  rule mend: mend(?l)  { when broken(?l)  then 1: not broken(?l) }
+  rule heat: and(?l)   { when lit(?l)  then 1: hot(?l) }
+  rule cool: and(?l)   { when not lit(?l), hot(?l)  then 1: not hot(?l) }
+  reward     { goal - cost }
+}
+"""
+TWO_LAMPS = """
+problem two { domain = lamps objects { a b - lamp } goal { lit(a), hot(b) } horizon = unlimited }
+"""
+
+
+def test_rules_of_an_action_are_one_action_again() -> None:
+    """docs/commands.md: the way out writes above each schema what rule it is; costs and names stay."""
+    made = cleancli.convert(LAMPS, TWO_LAMPS, to="ppddl")
+    domain_text, problem_text = made.texts.values()
+    back = cleancli.convert(domain_text, problem_text)
+    assert not any("left out" in note for note in back.notes)
+    given, found = (cleancli.load_domain(text).model for text in (LAMPS, back.domain))
+    assert found.actions == given.actions
+    assert {rule.name: (rule.action, rule.outcomes) for rule in found.rules} == {
+        rule.name: (rule.action, rule.outcomes) for rule in given.rules
+    }
+    problem = load_problem(Source("two.nid", TWO_LAMPS), given)
+    returned = through_ppddl(given, problem)
+    assert list(disagreements(given, problem, returned, 40, np.random.default_rng(1))) == []
+
+
+@pytest.mark.parametrize(
+    ("old", "new"),
+    [
+        ("(not (hot ?l))", "(not (broken ?l))"),  # both rules may apply
+        ("; rule hot of press", "; by hand"),
+        ("; rule hot of press\n  (:action press--hot\n    :parameters (?m", "; rule hot of press\n"
+         "  (:action press--hot\n    :parameters (?n ?m"),
+    ],
+)  # fmt: skip
+def test_schemas_that_somebody_has_changed_stay_actions_of_their_own(old: str, new: str) -> None:
+    domain_text, problem_text = cleancli.convert(LAMPS, TWO_LAMPS, to="ppddl").texts.values()
+    assert old in domain_text
+    back = cleancli.convert(domain_text.replace(old, new), problem_text)
+    assert back.diagnostics == ()
+    names = [action.name for action in cleancli.load_domain(back.domain).model.actions]
+    assert names == ["press_cold", "press_hot", "mend", "and"]
+
+
+def test_commands_call_actions_as_the_file_does(tmp_path: Path) -> None:
+    domain_text, _ = cleancli.convert(LAMPS, TWO_LAMPS, to="ppddl").texts.values()
+    names = [action.name for action in cleancli.load_domain(domain_text).model.actions]
+    assert names == ["press_cold", "press_hot", "mend", "and_heat", "and_cool"]
 
 
 TOLL_TWICE = "problem twice { domain = toll goal { there() } horizon = 2 }"

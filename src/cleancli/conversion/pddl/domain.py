@@ -57,7 +57,7 @@ def domain_of(
     naming: Naming,
 ) -> Domain:
     """The domain; `functions` are what costs are counted with, and `naming` gives its rules their names."""
-    declared = _declarations(schemas, words, definitions)
+    declared = declarations_of(schemas, words, definitions)
     rules = [rule for schema in schemas for rule in _rules(schema, declared, naming)]
     acting = {rule.action for rule in rules}
     actions = tuple(schema.action for schema in schemas if schema.action.name in acting)
@@ -123,7 +123,7 @@ def problem_of(
     )
 
 
-def _declarations(schemas: Sequence[Schema], words: Words, definitions: Definitions) -> Declarations:
+def declarations_of(schemas: Sequence[Schema], words: Words, definitions: Definitions) -> Declarations:
     """All that the rules of schemas speak of, for the checker's means."""
     symbols = {each.name: Symbol(each.name, each.parameters) for each in words.predicates.values()}
     derived = {each.name: each for each in definitions.predicates}

@@ -4,14 +4,16 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence, Set
 from dataclasses import dataclass, replace
+from functools import partial
 
 from cleancli.conversion.pddl.beginning import begun
 from cleancli.conversion.pddl.define import Definitions
-from cleancli.conversion.pddl.domain import USUAL_HORIZON, domain_of, problem_of
+from cleancli.conversion.pddl.domain import USUAL_HORIZON, declarations_of, domain_of, problem_of
 from cleancli.conversion.pddl.effects import Effects
 from cleancli.conversion.pddl.functions import Function, Functions
 from cleancli.conversion.pddl.naming import Naming, readable
 from cleancli.conversion.pddl.problem import Start, metric_of, names_of, starts_of
+from cleancli.conversion.pddl.rejoined import rejoined
 from cleancli.conversion.pddl.resolve import Words
 from cleancli.conversion.pddl.schemas import Schema, schemas_of
 from cleancli.conversion.pddl.stated import refuse_unstated
@@ -31,11 +33,13 @@ bounds by now. After others something is missing that was meant to be there."""
 class Wishes:
     """What PPDDL leaves open: the domain's name (None: its own) and the horizon of problems that are to earn
     rewards (None: a guess). `is_open`: a domain without problems is only looked at, so that what these alone
-    say, the objects and the values of functions, is no mistake of it."""
+    say, the objects and the values of functions, is no mistake of it. `joins`: schemas that were written for
+    the rules of one .nid action become that action, so that actions are not called as in the file."""
 
     name: str | None = None
     horizon: int | None = None
     is_open: bool = False
+    joins: bool = True
 
 
 @dataclass(frozen=True, slots=True)
@@ -79,6 +83,9 @@ def draft_of(
     starts = starts_of(problems, words, definitions)
     first = begun(schemas, starts, words, effects, definitions)
     findings.refuse_errors()
+    if wishes.joins:
+        declared = partial(declarations_of, first.schemas, words, definitions)
+        first = replace(first, schemas=rejoined(first.schemas, texts, declared, words.actions))
     name = wishes.name or readable(Naming(texts).written(domain.name), "d")
     said = tuple(
         replace(start, facts=start.facts | frozenset(functions.facts(place)))
@@ -139,7 +146,8 @@ def _notes(
     declared = {symbol.name for symbol in domain.symbols}
     unused = [each.name for each in words.predicates.values() if each.name not in declared]
     acting = {rule.action for rule in domain.rules}
-    placed = {schema.place for schema in schemas if schema.action.name in acting}
+    kept = [schema for schema in schemas if schema.action.name in acting]
+    placed = {place for schema in kept for place in (schema.place, *schema.joined)}
     idle = [action.name.text for action in node.actions if action.name.span not in placed]
     functions = [each.name.text for each in node.functions if each.name.text not in counted]
     parts = (

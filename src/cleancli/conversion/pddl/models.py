@@ -81,7 +81,7 @@ def models_of(domain: Source, problem: Source | None = None, *, is_open: bool = 
         problems = read(problem, findings)[1]
     if problem is not None:
         _refuse_none(problem, problems, findings)
-    draft = draft_of(domains, problems, findings, Wishes(is_open=is_open))
+    draft = draft_of(domains, problems, findings, Wishes(is_open=is_open, joins=False))
     looked = Findings(domain)
     looked.include(findings.sources[-1], (), frozenset())
     checked = check_domain(domain_tree(draft), looked)

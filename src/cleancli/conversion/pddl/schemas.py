@@ -39,11 +39,13 @@ _LONGEST_TITLE = 48
 
 @dataclass(frozen=True, slots=True)
 class Schema:
-    """An action and its rules, which may share a name yet; `place` is that of the schema's name."""
+    """An action and its rules, which may share a name yet; `place` is that of the schema's name, and `joined`
+    are those of schemas that have become part of it."""
 
     action: Action
     rules: tuple[Rule, ...]
     place: Span
+    joined: tuple[Span, ...] = ()
 
 
 def schemas_of(
