@@ -285,3 +285,16 @@ def test_not_the_same(condition: str, first: str, second: str) -> None:
     text = TEXT.format(condition=condition, first=first, second=second)
     found = checked_domain(Source("alike.nid", text)).diagnostics
     assert [each.code for each in found if each.code == "E309"] == []
+
+
+def test_of_several_that_do_the_same_the_one_that_is_written_so_is_named() -> None:
+    """The third outcome does what the first does, too, and is written as the second: that is nearer."""
+    text = TEXT.format(condition="p(?x)", first="near(?x, ?y)", second="near(?y, ?x)")
+    text = text.replace("0.6: near(?y, ?x)", "0.3: near(?y, ?x)\n         0.3: near(?y, ?x)")
+    found = [each for each in checked_domain(Source("alike.nid", text)).diagnostics if each.code == "E309"]
+    first = text.splitlines().index("    then 0.4: near(?x, ?y)") + 1
+    same = f"where the rule applies, this does the same as the outcome in line {first}"
+    assert [(each.message, each.help) for each in found] == [
+        (same, "make them one outcome"),
+        ("this result is listed twice", f"add its probability to the outcome in line {first + 1}"),
+    ]
