@@ -24,8 +24,8 @@ SOLVED = 150
 """An optimum is compared where no more states are reached within the horizon."""
 LOOPS = 0.1
 """The share of domains that are simulated."""
-ENVIRONMENT = 3
-"""Each so manieth domain is compared as an environment for Gymnasium."""
+ENVIRONMENTS = 0.4
+"""The share of domains that are compared as environments for Gymnasium."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -91,6 +91,6 @@ def compare_these(domain: Domain, problem: Problem, seed: int, folder: Path) -> 
     if explored.whole and random.random() < LOOPS:
         compare_loop(comparison, folder, worth, random.choice(("exact", "prada+")))
     compare_rules(comparison, loaded, worth, explored.states, random)
-    if seed % ENVIRONMENT == 2:
+    if random.random() < ENVIRONMENTS:
         compare_environment(comparison, folder, grounded, worth, random)
     return comparison
