@@ -18,7 +18,7 @@ from cleancli.language.find import find
 from cleancli.language.load import load_domain, load_problem, read_source
 from cleancli.language.model import Price
 from support import libprada_round_trips
-from support.export_texts import DRIVEN, TOLL, TOUR
+from support.export_texts import DRIVEN, FISHING, POND, TOLL, TOUR
 from support.random_domains import Generator
 from support.round_trips import disagreements, drawn_problem, through_ppddl
 
@@ -115,17 +115,32 @@ def test_commands_call_actions_as_the_file_does(tmp_path: Path) -> None:
 TOLL_TWICE = "problem twice { domain = toll goal { there() } horizon = 2 }"
 
 
-@pytest.mark.parametrize(("text", "goal"), [(TOLL, TOLL_TWICE), (DRIVEN, TOUR + "horizon = 3 }")])
+PAID = [(TOLL, TOLL_TWICE), (DRIVEN, TOUR + "horizon = 3 }"), (FISHING, POND)]
+
+
+@pytest.mark.parametrize(("text", "goal"), PAID)
 def test_what_outcomes_and_objects_cost_comes_back(text: str, goal: str) -> None:
     domain = load_domain(Source("domain.nid", text))
     problem = load_problem(Source("problem.nid", goal), domain)
     back = through_ppddl(domain, problem)
     assert back.lost == ()
-    assert list(disagreements(domain, problem, back, 40, np.random.default_rng(1))) == []
+    assert list(disagreements(domain, problem, back, 150, np.random.default_rng(1))) == []
     dearer = replace(
         domain, actions=tuple(replace(each, cost=each.cost + Price(Fraction(1))) for each in domain.actions)
     )
     assert "pays" in next(disagreements(dearer, problem, back, 40, np.random.default_rng(1)))
+
+
+def test_who_pays_as_much_in_the_mean_for_other_outcomes_is_noticed() -> None:
+    domain = load_domain(Source("domain.nid", FISHING))
+    problem = load_problem(Source("problem.nid", POND), domain)
+    back = through_ppddl(domain, problem)
+    first, second, *others = domain.rules[0].outcomes  # of 0.5 and 0.2
+    first = replace(first, reward=first.reward + Price(Fraction(1)))
+    second = replace(second, reward=second.reward + Price(Fraction(-5, 2)))
+    rule = replace(domain.rules[0], outcomes=(first, second, *others))
+    other = replace(domain, rules=(rule, *domain.rules[1:]))
+    assert "pays" in next(disagreements(other, problem, back, 300, np.random.default_rng(1)))
 
 
 # ---- for libPRADA

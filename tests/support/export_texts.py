@@ -138,6 +138,58 @@ problem tour {
 """
 """Without its end: a horizon follows."""
 
+FISHING = """
+domain fishing {
+  types      { pond; boat }
+  constants  { sea - pond }
+  predicates { stocked(?p - pond)  at(?b - boat ?p - pond)  torn() }
+  functions {
+    size(?p - pond): 0..9 [static]
+    wear(?b - boat ?p - pond): 0..4 [static]
+    tax(): 1..3 [static]
+  }
+  derived    { stocks := count ?p - pond: stocked(?p) }
+  actions {
+    cast(?p - pond)             [cost = 1 + 1/2 * size(?p)]
+    row(?b - boat ?p ?q - pond) [cost = wear(?b, ?q)]
+    mend()
+  }
+  rule cast_it: cast(?p) {
+    when stocked(?p), not torn()
+    with ?b - boat: at(?b, ?p)
+    then 0.5: not stocked(?p), reward += 2 + 0.5 * size(?p) + 1/3 * size(sea), reward -= wear(?b, ?p)
+         0.2: torn(), reward -= 1/4 + 2 * tax(), cost += wear(?b, ?p) + 3 * wear(?b, sea)
+         0.1: reward += size(?p), cost += tax()
+         rest: nothing
+  }
+  rule row_there: row(?b, ?p, ?q) {
+    when at(?b, ?p), ?p != ?q
+    then 0.75: at(?b, ?q), not at(?b, ?p), cost += 1/2 * size(?q)
+         0.25: if torn() => stocked(?q), reward -= wear(?b, ?q)
+  }
+  rule mend_it: mend() {
+    when torn()
+    then 1: not torn(), cost += 3
+  }
+  reward { decrease(stocks) - 2 * cost }
+}
+"""
+"""Prices of all kinds: of either sign, of constants, of what is referred to, of numbers, and of counts."""
+
+POND = """
+problem pond {
+  domain  = fishing
+  objects { lake moor - pond  punt raft - boat }
+  init {
+    stocked(lake), stocked(sea), at(punt, lake), at(raft, moor), tax() = 3
+    size(lake) = 4, size(moor) = 1, size(sea) = 9
+    wear(punt, lake) = 1, wear(punt, moor) = 2, wear(punt, sea) = 4
+    wear(raft, lake) = 0, wear(raft, moor) = 3, wear(raft, sea) = 2
+  }
+  horizon = 5
+}
+"""
+
 TOLL = """
 domain toll {
   predicates { there() }

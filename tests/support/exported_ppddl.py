@@ -191,31 +191,43 @@ def reward(
     return found
 
 
-def expected(
+def happening(
     rules: LiftedRules, problem: Problem, values: Values, action: str, names: tuple[str, ...]
-) -> tuple[Distribution, Fraction] | None:
-    """The worlds that a .nid domain says follow, and what is paid in the mean; None where no rule covers the
-    state."""
+) -> list[tuple[Fraction, Values, Fraction]] | None:
+    """The outcomes that a .nid domain has for an action, with their probabilities, the values after each and
+    what it is paid but for the goal; None where no rule covers the state."""
     state = rules.state(problem.objects, values)
     found = rules.covering(state, action, names)
     if found is None:
         return None
     number, bound = found
-    likely: Distribution = {}
-    paid = Fraction(0)
+    given = dict(zip(rules[number].variables, bound, strict=True))
+    weight = weight_of(rules.domain, RewardKind.COST)
+    happen: list[tuple[Fraction, Values, Fraction]] = []
     for outcome, changes in zip(
         rules.domain.rules[number].outcomes, results(rules, state, number, bound), strict=True
     ):
-        after = {key: value for key, value in {**values, **changes}.items() if value is not False}
         if outcome.probability:
-            world = world_of(rules.domain, after)
-            likely[world] = likely.get(world, Fraction(0)) + outcome.probability
-            given = dict(zip(rules[number].variables, bound, strict=True))
-            earned = reward(rules.domain, problem, values, action, names, after)
-            earned += comes_to(outcome.reward, values, given)
-            earned += weight_of(rules.domain, RewardKind.COST) * comes_to(outcome.cost, values, given)
-            paid += outcome.probability * earned
-    return likely, paid
+            after = {key: value for key, value in {**values, **changes}.items() if value is not False}
+            paid = reward(rules.domain, problem, values, action, names, after)
+            paid += comes_to(outcome.reward, values, given) + weight * comes_to(outcome.cost, values, given)
+            happen.append((outcome.probability, after, paid))
+    return happen
+
+
+def expected(
+    rules: LiftedRules, problem: Problem, values: Values, action: str, names: tuple[str, ...]
+) -> tuple[Distribution, Fraction] | None:
+    """The worlds that a .nid domain says follow, and what is paid in the mean; None where no rule covers the
+    state."""
+    happen = happening(rules, problem, values, action, names)
+    if happen is None:
+        return None
+    likely: Distribution = {}
+    for chance, after, _ in happen:
+        world = world_of(rules.domain, after)
+        likely[world] = likely.get(world, Fraction(0)) + chance
+    return likely, sum((chance * paid for chance, _, paid in happen), Fraction(0))
 
 
 def actual(

@@ -35,7 +35,7 @@ from cleancli.language.model import (
 )
 from cleancli.learning.experience import Transition
 from cleancli.learning.variation import foretold
-from support.exported_ppddl import at_most_one_covers, calls, drawn_values, expected, written
+from support.exported_ppddl import at_most_one_covers, calls, drawn_values, happening, written
 
 ACCURACY = 1e-9
 """How far a probability may be from what it was."""
@@ -121,10 +121,8 @@ def disagreements(
         if any(abs(wanted.get(key, 0.0) - found.get(key, 0.0)) > ACCURACY for key in keys):
             yield f"{action}{names} in {sorted(values.items())}: {found} and not {wanted}"
         elif pays and taken is not None and before.covering(state, action, names) is not None:
-            paid, due = (
-                _paid(after, back.problem, facts, taken, names),
-                _paid(before, problem, values, action, names),
-            )
+            due = _as_atoms(_paid(before, problem, values, action, names), symbols, values, known)
+            paid = _paid(after, back.problem, facts, taken, names)
             if paid != due:
                 yield f"{action}{names} in {sorted(values.items())} pays {paid} and not {due}"
 
@@ -145,13 +143,32 @@ def _found(
     return foretold(rules, Transition(action, names, back.problem.objects, facts, facts))
 
 
-def _paid(
-    rules: LiftedRules, problem: Problem, values: Values, action: str, names: tuple[str, ...]
-) -> Fraction:
-    """What an action is paid in the mean, but for the goal."""
-    found = expected(rules, problem, values, action, names)
-    assert found is not None
-    return found[1]
+_Paid = dict[tuple[Moved, Fraction], Fraction]
+"""How likely what moves is, together with what that is paid but for the goal."""
+
+
+def _paid(rules: LiftedRules, problem: Problem, values: Values, action: str, names: tuple[str, ...]) -> _Paid:
+    """What an action that some rule covers moves, and what it is paid for that."""
+    happen = happening(rules, problem, values, action, names)
+    assert happen is not None
+    found: _Paid = {}
+    for chance, after, earned in happen:
+        keys = after.keys() | values.keys()
+        others = {
+            key: after.get(key, False) for key in keys if after.get(key, False) != values.get(key, False)
+        }
+        key = frozenset(others.items()), earned
+        found[key] = found.get(key, Fraction(0)) + chance
+    return found
+
+
+def _as_atoms(paid: _Paid, symbols: Mapping[str, Symbol], values: Values, known: set[str]) -> _Paid:
+    """The same of what becomes of atoms."""
+    found: _Paid = {}
+    for (moved, earned), chance in paid.items():
+        key = frozenset(_moved(symbols, values, moved, known)), earned
+        found[key] = found.get(key, Fraction(0)) + chance
+    return found
 
 
 def _name(symbol: Symbol, value: Value) -> str:
