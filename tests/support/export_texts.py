@@ -162,10 +162,10 @@ domain fishing {
          0.1: reward += size(?p), cost += tax()
          rest: nothing
   }
-  rule row_there: row(?b, ?p, ?q) {
-    when at(?b, ?p), ?p != ?q
-    then 0.75: at(?b, ?q), not at(?b, ?p), cost += 1/2 * size(?q)
-         0.25: if torn() => stocked(?q), reward -= wear(?b, ?q)
+  rule row_there: row(?b, ?here, ?there) {
+    when at(?b, ?here), ?here != ?there
+    then 0.75: at(?b, ?there), not at(?b, ?here), cost += 1/2 * size(?there)
+         0.25: if torn() => stocked(?there), reward -= wear(?b, ?there)
   }
   rule mend_it: mend() {
     when torn()

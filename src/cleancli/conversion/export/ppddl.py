@@ -198,7 +198,7 @@ class _Writer:
         rest is drawn by itself."""
         likely = [outcome for outcome in rule.outcomes if outcome.probability]
         draws = draws_of((each.probability, self._parts(each, rule, known)) for each in likely)
-        return [*(node for draw in draws for node in self._drawn(draw, rule)), *self._constant(action)]
+        return [*(node for draw in draws for node in self._drawn(draw, rule)), *self._constant(action, rule)]
 
     def _parts(self, outcome: Outcome, rule: Rule, known: Formula) -> Iterator[_Part]:
         """What an outcome changes, and what it pays and costs; equal payments have different numbers."""
@@ -230,13 +230,14 @@ class _Writer:
         if chances:
             yield ("probabilistic", *chances)
 
-    def _constant(self, action: Action) -> list[Node]:
-        """What the action costs, whatever comes of it."""
+    def _constant(self, action: Action, rule: Rule) -> list[Node]:
+        """What the action costs, whatever comes of it; the rule has names of its own for its objects."""
+        cost = action.cost.renamed(dict(zip(action.parameters, rule.variables, strict=True)))
         lasts = Fraction(action.duration or 0) * weight_of(self._domain, RewardKind.DURATION)
-        price = Price(lasts) + action.cost.times(weight_of(self._domain, RewardKind.COST))
+        price = Price(lasts) + cost.times(weight_of(self._domain, RewardKind.COST))
         return [
             *(self._increase("reward", price) if self._earned else []),
-            *(self._increase("total-cost", action.cost) if self._priced else []),
+            *(self._increase("total-cost", cost) if self._priced else []),
         ]
 
     def _increase(self, function: str, price: Price) -> list[Node]:
