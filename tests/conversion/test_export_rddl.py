@@ -8,12 +8,13 @@ import pytest
 
 import cleancli
 from cleancli.compiler.lifted_state import LiftedRules
+from cleancli.conversion.export.rddl_formulas import WORDS
 from cleancli.language.diagnostics.diagnostic import Source
 from cleancli.language.diagnostics.refused import Refused
 from cleancli.language.load import load_domain, load_problem
 from cleancli.planning.plan import BadOption
 from support import exported_ppddl
-from support.export_texts import DRIVEN, EVERYTHING, LAMPS, SOME, TOLL, TOUR
+from support.export_texts import DRIVEN, EVERYTHING, FISHING, LAMPS, POND, SOME, TOLL, TOUR
 from support.exported_rddl import Simulated, chance_of, expected
 from support.shipped import shipped_domain, shipped_problem
 
@@ -108,6 +109,42 @@ def test_what_an_outcome_pays_is_paid_in_that_outcome(tmp_path: Path) -> None:
         state, reward, _ = simulated.step("go", ())
         paid[bool(state["there"])].add(reward)
     assert paid == {True: {2.0 - 1.0}, False: {-3.0 - 1.0, -1.0}}
+
+
+@pytest.mark.parametrize(
+    ("action", "names"),
+    [("cast", ("lake",)), ("sail", ("raft", "moor", "lake")), ("sail", ("punt", "lake", "sea"))],
+)
+def test_what_is_paid_by_functions_is_paid_with_what_happens(
+    tmp_path: Path, action: str, names: tuple[str, ...]
+) -> None:
+    """Of objects of the action, of what is referred to and of constants, and with each outcome its own."""
+    pytest.importorskip("pyRDDLGym")
+    domain = load_domain(Source("fishing.nid", FISHING))
+    problem = load_problem(Source("pond.nid", POND), domain)
+    values = {(fact.symbol, fact.objects): fact.value for fact in problem.state}
+    happen = exported_ppddl.happening(LiftedRules(domain), problem, values, action, names)
+    assert happen is not None
+    due = {
+        (("torn", ()) in after, ("stocked", ("lake",)) in after, round(float(paid), 6))
+        for _, after, paid in happen
+    }
+    simulated = Simulated(domain, problem, tmp_path, 3)
+    simulated.reset(3)
+    seen = set()
+    for _ in range(60):
+        simulated.reset(None)
+        state, paid, _ = simulated.step(action, names)
+        seen.add((bool(state["torn"]), bool(state["stocked___lake"]), round(paid, 6)))
+    assert seen == due
+
+
+def test_no_word_that_pyrddlgym_reserves_is_a_name() -> None:
+    """`row` and `col` are among them."""
+    parser = pytest.importorskip("pyRDDLGym.core.parser.parser")
+    assert {word for word in parser.RDDLlex().reserved if word.isidentifier()} <= WORDS
+    made = cleancli.convert(FISHING.replace("sail(", "row("), POND, to="rddl")
+    assert "row_2(boat, pond_2, pond_2): {action-fluent" in made.texts["fishing.rddl"]
 
 
 LAMPS_RDDL = """\

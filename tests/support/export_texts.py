@@ -150,8 +150,8 @@ domain fishing {
   }
   derived    { stocks := count ?p - pond: stocked(?p) }
   actions {
-    cast(?p - pond)             [cost = 1 + 1/2 * size(?p)]
-    row(?b - boat ?p ?q - pond) [cost = wear(?b, ?q)]
+    cast(?p - pond)              [cost = 1 + 1/2 * size(?p)]
+    sail(?b - boat ?p ?q - pond) [cost = wear(?b, ?q)]
     mend()
   }
   rule cast_it: cast(?p) {
@@ -162,7 +162,7 @@ domain fishing {
          0.1: reward += size(?p), cost += tax()
          rest: nothing
   }
-  rule row_there: row(?b, ?here, ?there) {
+  rule sail_there: sail(?b, ?here, ?there) {
     when at(?b, ?here), ?here != ?there
     then 0.75: at(?b, ?there), not at(?b, ?here), cost += 1/2 * size(?there)
          0.25: if torn() => stocked(?there), reward -= wear(?b, ?there)
