@@ -73,10 +73,20 @@ class PriceDrawer:
         if not earned and not spent:
             return outcome
         reward, cost = self.more(outcome.reward, earned), self.more(outcome.cost, spent)
+        if earned and comes_to_nothing(reward):
+            return outcome
         return replace(outcome, idle="", reward=reward, cost=cost)
 
     def more(self, price: Price, parts: tuple[Priced, ...]) -> Price:
         return replace(price, parts=(*price.parts, *parts))
+
+
+def comes_to_nothing(price: Price) -> bool:
+    """Whether all that is added is taken away again, which no outcome may say."""
+    sums = {(part.symbol, part.terms): Fraction(0) for part in price.parts}
+    for part in price.parts:
+        sums[part.symbol, part.terms] += part.weight
+    return not price.number and not any(sums.values())
 
 
 def price_drawer(drawer: Drawer, random: Random) -> tuple[PriceDrawer, tuple[Symbol, ...]]:

@@ -71,16 +71,28 @@ def check_payments(node: syntax.Effects, scope: Scope) -> tuple[Price, Price]:
     """What an outcome adds to the reward of its step, and to what its action costs (E203 to E209, E228, E229,
     E302)."""
     paid = {"reward": NOTHING_PAID, "cost": NOTHING_PAID}
+    last: dict[str, syntax.PayNode] = {}
     for item in node.effects:
         if isinstance(item, syntax.PayNode):
             number = Fraction(0) if item.price.amount is None else item.price.amount.value
-            price = Price(number) + _by_functions(item.price, scope)
-            if _may_pay(item, price, scope):
+            parts = tuple(_parts(item.price, scope))
+            price = sum((Price(parts=(part,)) for part in parts), Price(number))
+            if _may_pay(item, price, len(parts) == len(item.price.parts), scope):
                 paid[item.what.text] += price if item.rises else price.times(Fraction(-1))
+                last[item.what.text] = item
+    for what, item in last.items():
+        if not paid[what]:
+            scope.findings.error(
+                "E229", f"what is paid as `{what}` comes to nothing in all", item.span, help=_NOTHING_PAID
+            )
     return paid["reward"], paid["cost"]
 
 
-def _may_pay(node: syntax.PayNode, price: Price, scope: Scope) -> bool:
+_NOTHING_PAID = "leave it out; an outcome without effects is `nothing`"
+
+
+def _may_pay(node: syntax.PayNode, price: Price, is_whole: bool, scope: Scope) -> bool:
+    """Whether an outcome can pay a price, which `is_whole` where no part of it was refused."""
     what, sign = node.what.text, "+=" if node.rises else "-="
     amount = node.price.amount
     if amount is not None and amount.denominator_is_zero:
@@ -92,8 +104,8 @@ def _may_pay(node: syntax.PayNode, price: Price, scope: Scope) -> bool:
             help = f"to change the function, write its objects: `{what}(...) {sign} n`"
     elif what == "cost" and not node.rises:
         message, help = "no cost is below 0", "say what it brings: `reward += n`"
-    elif not price and len(node.price.parts) == len(price.parts):
-        message, help = "this pays nothing", "leave it out; an outcome without effects is `nothing`"
+    elif is_whole and not price:
+        message, help = "this pays nothing", _NOTHING_PAID
     else:
         return True
     scope.findings.error("E229", message, node.span, help=help)
