@@ -303,8 +303,9 @@ def refusal(domain: Domain, problem: Problem, compat: bool = False) -> str:
     return ", ".join(diagnostic.code for diagnostic in refused.value.diagnostics)
 
 
-def test_more_cases_than_may_be_are_refused_if_states_are_of_them() -> None:
-    assert refusal(*from_text.checked(PACKETS, packets(5))) == "E605"
+@pytest.mark.parametrize(("text", "inside"), [(PACKETS, packets(5)), (DISKS, disks(6))])
+def test_more_cases_than_may_be_are_refused_if_no_pairs_exclude_them(text: str, inside: str) -> None:
+    assert refusal(*from_text.checked(text, inside)) == "E605"
 
 
 def test_libprada_takes_all_values_as_possible_together() -> None:
