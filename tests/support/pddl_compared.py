@@ -38,7 +38,10 @@ def meaning_of(text: str) -> Meaning:
 
 
 def disagreements(text: str, made: Converted, most: int = MOST_STATES) -> list[str]:
-    """Where the task of a conversion is not what a text means, in so many states; empty where they agree."""
+    """Where the task of a conversion is not what a text means, in so many states; empty where they agree.
+
+    The goal ends what is earned (Younes et al. 2005, JAIR 24, "Plan Objectives"): there nothing is done any
+    more, or nothing is earned by what is done."""
     meaning = meaning_of(text)
     task, asked = task_of(made), "goal" in "".join(made.problems.values())
     ways = _ways(task, {_key(each.name.text, ())[0] for each in meaning.domain.actions})
@@ -60,6 +63,8 @@ def disagreements(text: str, made: Converted, most: int = MOST_STATES) -> list[s
                 state = state_of(task, each)
                 expected[state] = expected.get(state, 0.0) + float(chance)
             covering = [n for n in ways.get(_key(*called), ()) if covering_rule(task, here, n) is not None]
+            if wanted and meaning.earns and not covering:
+                continue
             if len(covering) > 1:
                 found.append(f"{called} is several actions in {sorted(world)}")
             actual = {here: 1.0}
@@ -71,6 +76,8 @@ def disagreements(text: str, made: Converted, most: int = MOST_STATES) -> list[s
                     key = state_of(task, after_it), cost
                     paid[key] = paid.get(key, Fraction(0)) + p
                 found += _otherwise_paid(task, here, number, paid)
+                if wanted and meaning.earns and any(cost < 0 for _, cost in paid):
+                    found.append(f"{called} earns something after the goal in {sorted(world)}")
             states = expected.keys() | actual.keys()
             if any(abs(expected.get(s, 0.0) - actual.get(s, 0.0)) > 1e-12 for s in states):
                 found.append(f"{called} in {sorted(world)}: {expected} and not {actual}")

@@ -108,6 +108,12 @@ class Meaning:
             case CompareNode():
                 raise NotImplementedError
 
+    @property
+    def earns(self) -> bool:
+        """Whether a reward is to be great, and not the goal alone to be reached."""
+        metric = self.problem.metric
+        return metric is not None and metric.greatest
+
     # ---- effects
 
     def changes(self, node: EffectNode, world: World, binding: Binding) -> dict[Change, Fraction]:

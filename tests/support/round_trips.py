@@ -93,10 +93,15 @@ def disagreements(
     always = {(f.symbol, f.objects): f.value for f in back.problem.state if f.symbol not in atoms_of}
     pays = not back.lost and not isinstance(problem.horizon, Unlimited)
     every = list(calls(domain, problem))
+    # A goal of PPDDL ends what is earned, and a .nid file goes on after it (docs/from-pddl.md).
+    earns = problem.goal and not isinstance(problem.horizon, Unlimited)
+    ends = before.meaning.test(problem.goal, {}) if earns else None
     called = {each.name: _came_of(each.name, domain) for each in back.domain.actions}
     for _ in range(states if every else 0):
         values = drawn_values(domain, problem, rng)
         state = before.state(problem.objects, values)
+        if ends is not None and ends(state, ()):
+            continue
         covered = [each for each in every if before.covering(state, *each)]
         among = covered if covered and rng.random() < 0.8 else every
         action, names = among[int(rng.integers(len(among)))]

@@ -10,6 +10,7 @@ from cleancli.conversion.pddl.beginning import begun
 from cleancli.conversion.pddl.define import Definitions
 from cleancli.conversion.pddl.domain import USUAL_HORIZON, declarations_of, domain_of, problem_of
 from cleancli.conversion.pddl.effects import Effects
+from cleancli.conversion.pddl.ending import ended
 from cleancli.conversion.pddl.functions import Function, Functions
 from cleancli.conversion.pddl.naming import Naming, readable
 from cleancli.conversion.pddl.problem import Start, metric_of, names_of, starts_of
@@ -81,6 +82,8 @@ def draft_of(
     schemas = schemas_of(domain.actions, words, effects, definitions)
     _warn_of_objects(words)
     starts = starts_of(problems, words, definitions)
+    before = schemas
+    schemas = ended(schemas, starts, metric, words, definitions)
     first = begun(schemas, starts, words, effects, definitions)
     findings.refuse_errors()
     if wishes.joins:
@@ -108,6 +111,8 @@ def draft_of(
     notes += tuple(
         _about(each) for each in functions.used if each.parts > 1 or each.least or each.known is not None
     )
+    if schemas != before:
+        notes += ("nothing is done where the goal holds, which ends what can be earned",)
     return Draft(made, tuple(drafts), notes, domain.name.span, places)
 
 

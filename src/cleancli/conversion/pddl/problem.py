@@ -8,17 +8,23 @@ from fractions import Fraction
 from itertools import repeat
 
 from cleancli.conversion.pddl.define import Definitions
-from cleancli.conversion.pddl.formula import NEVER
+from cleancli.conversion.pddl.formula import ALWAYS, NEVER, Formula
 from cleancli.conversion.pddl.naming import Naming
 from cleancli.conversion.pddl.read_conditions import Reader
 from cleancli.conversion.pddl.resolve import Scope, Words
 from cleancli.conversion.pddl.syntax import (
+    AllNode,
     AtomNode,
+    ChanceNode,
     DomainNode,
+    EachNode,
+    EffectNode,
     FactsNode,
     Name,
+    PayNode,
     ProblemNode,
     SetNode,
+    WhenNode,
 )
 from cleancli.language.diagnostics.sink import Findings
 from cleancli.language.model import Condition, Fact, Object, RewardKind, RewardTerm
@@ -61,16 +67,36 @@ def metric_of(domain: DomainNode, problems: Sequence[ProblemNode], findings: Fin
 def _usual(domain: DomainNode) -> Metric:
     """Without a problem: rewards count where there are some, otherwise costs."""
     names = {function.name.text for function in domain.functions}
-    if "reward" in names or ":rewards" in names:
+    if "reward" in names or _rewards(domain):
         return Metric({"reward": -1}, Fraction(1), True)
     return Metric({"total-cost": 1}, Fraction(1), False)
+
+
+def _rewards(domain: DomainNode) -> bool:
+    """Whether actions change the reward, which is to be great where no metric says what is (Younes et al.
+    2005, JAIR 24, "Plan Objectives")."""
+    return any(_changes_reward(action.effect) for action in domain.actions)
+
+
+def _changes_reward(node: EffectNode) -> bool:
+    match node:
+        case PayNode():
+            return node.function.symbol.text == "reward"
+        case AllNode(parts):
+            return any(map(_changes_reward, parts))
+        case WhenNode() | EachNode():
+            return _changes_reward(node.effect)
+        case ChanceNode(branches):
+            return any(_changes_reward(part) for _, part in branches)
+        case SetNode():
+            return False
 
 
 def _metric(problem: ProblemNode, domain: DomainNode, findings: Findings) -> Metric:
     node, paid = problem.metric, problem.goal_reward
     counted: dict[str, int] = {}
     if node is None:
-        counted = {} if paid is None else {"reward": -1}
+        counted = {} if paid is None and not _rewards(domain) else {"reward": -1}
     elif node.function is None:
         findings.error("E917", "a metric is one function here", node.span)
     elif node.function.text not in _GOAL_WORDS:
@@ -95,37 +121,34 @@ def _look_at(function: Name, declared: Sequence[str], findings: Findings) -> Non
 
 @dataclass(frozen=True, slots=True)
 class Start:
-    """A problem: its name, its objects, the facts that hold at first, and its goal."""
+    """A problem: its name, its objects, the facts that hold at first, and its goal, which asks for a formula
+    (one that always holds where there is none)."""
 
     node: ProblemNode
     objects: tuple[Object, ...]
     facts: frozenset[Fact]
+    asked: Formula
     goal: Condition
 
 
 def starts_of(problems: Sequence[ProblemNode], words: Words, definitions: Definitions) -> tuple[Start, ...]:
     """The problems; E916 and E917 for what can't be said."""
-    return tuple(
-        Start(
-            problem,
-            tuple(objects.values()),
-            _facts(problem, words, objects),
-            _goal(problem, words, objects, definitions),
-        )
-        for problem, objects in zip(problems, words.objects, strict=True)
-    )
+    found = []
+    for problem, objects in zip(problems, words.objects, strict=True):
+        facts, asked = _facts(problem, words, objects), _asked(problem, words, objects)
+        goal = () if asked == ALWAYS else definitions.condition(asked)
+        found.append(Start(problem, tuple(objects.values()), facts, asked, goal))
+    return tuple(found)
 
 
-def _goal(
-    problem: ProblemNode, words: Words, objects: Mapping[str, Object], definitions: Definitions
-) -> Condition:
+def _asked(problem: ProblemNode, words: Words, objects: Mapping[str, Object]) -> Formula:
     if problem.goal is None:
-        return ()
+        return ALWAYS
     goal = words.formula(problem.goal, Scope(objects))
     if goal == NEVER:
         words.findings.error("E917", "this goal can never hold", problem.goal.span)
-        return ()
-    return definitions.condition(goal)
+        return ALWAYS
+    return goal
 
 
 def _facts(problem: ProblemNode, words: Words, objects: Mapping[str, Object]) -> frozenset[Fact]:
