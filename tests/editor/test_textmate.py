@@ -106,3 +106,17 @@ def test_the_extension_names_files_that_exist() -> None:
     assert copied in package["scripts"]["vscode:prepublish"]
     assert (folder / copied).exists()
     assert grammar["path"].removeprefix("./") in package["scripts"]["vscode:prepublish"]
+
+
+def test_what_an_outcome_pays_is_coloured() -> None:
+    found = set(coloured("then 1: reward += 2 + 1/3 * far(?a, bin)"))
+    assert found >= {
+        ("reward", "storage.modifier.nid"),
+        ("+=", "keyword.operator.assignment.nid"),
+        ("2", "constant.numeric.nid"),
+        ("+", "keyword.operator.arithmetic.nid"),
+        ("1/3", "constant.numeric.rational.nid"),
+        ("*", "keyword.operator.arithmetic.nid"),
+        ("far", "entity.name.function.nid"),
+        ("?a", "variable.parameter.nid"),
+    }
