@@ -3,10 +3,11 @@
 Draws domains with every construct and their problems, and compares what the product says of them with what
 the interpreter in tests/support/differential says, which was written from docs/language.md and
 docs/planning.md alone: transitions, rewards, values of sequences and of the best policy, plans, `explain`,
-`plan --explain`, drawn frequencies, closed loops and learned numbers. Domains that the checker refuses are
-looked at (no state may contradict the refusal), and do not count. The files of a domain with a difference
-are kept in FOLDER, and the exit code is 1. 5,000 domains take about 15 minutes on two free cores, 30 some
-20 seconds. A run that is started again with the same FOLDER and seed goes on where it stopped.
+`plan --explain`, drawn frequencies, closed loops, learned numbers, `compare-rules` and the environment for
+Gymnasium. Domains that the checker refuses are looked at (no state may contradict the refusal), and do not
+count. The files of a domain with a difference are kept in FOLDER, and the exit code is 1. 5,000 domains take
+about 15 minutes on two free cores, 30 some 20 seconds. A run that is started again with the same FOLDER and
+seed goes on where it stopped.
 """
 
 from __future__ import annotations

@@ -58,7 +58,7 @@ class PriceDrawer:
     def action(self, action: Action) -> Action:
         """The action, which may cost more on some objects than on others; a function may count 0 times."""
         parts = self.parts(action.parameters, 0) if self.symbols and self.often(0.5) else ()
-        return replace(action, cost=self.more(action.cost or FREE, parts)) if parts else action
+        return replace(action, cost=more(action.cost or FREE, parts)) if parts else action
 
     def rule(self, rule: Rule) -> Rule:
         """The rule, of which some outcomes may pay by functions."""
@@ -72,13 +72,14 @@ class PriceDrawer:
         spent = self.parts(scope, 1) if outcome.idle != "noise" and self.often(0.3) else ()
         if not earned and not spent:
             return outcome
-        reward, cost = self.more(outcome.reward, earned), self.more(outcome.cost, spent)
+        reward, cost = more(outcome.reward, earned), more(outcome.cost, spent)
         if earned and comes_to_nothing(reward):
             return outcome
         return replace(outcome, idle="", reward=reward, cost=cost)
 
-    def more(self, price: Price, parts: tuple[Priced, ...]) -> Price:
-        return replace(price, parts=(*price.parts, *parts))
+
+def more(price: Price, parts: tuple[Priced, ...]) -> Price:
+    return replace(price, parts=(*price.parts, *parts))
 
 
 def comes_to_nothing(price: Price) -> bool:
