@@ -62,6 +62,23 @@ def test_a_problem_is_checked_with_its_domain_by_either_suffix(
         assert capsys.readouterr().out.endswith("in 2 files\n")
 
 
+def test_a_domain_that_is_given_goes_before_one_that_lies_beside_a_problem(
+    capsys: pytest.CaptureFixture[str],
+) -> None:
+    """docs/commands.md: of folders that are given, each problem has the domain beside it."""
+    for folder in ("one", "two"):
+        Path(folder).mkdir()
+        for name in FILES:
+            Path(folder, name).write_text(Path(name).read_text(encoding="utf-8"), encoding="utf-8")
+    changed("one/tidy.pddl", "(dirt ?", "(dust ?")
+    told = "the predicate `dirt` is not declared"
+    files = ["one/tidy.pddl", "two/tidy_two.pddl"]
+    for given, is_told in ((["two"], False), (["one/tidy.pddl", "two"], False), (files, True)):
+        run(["check", *given])
+        shown = "".join(capsys.readouterr()).splitlines()
+        assert any(told in line for line in shown if line.startswith("two/")) == is_told
+
+
 def test_mistakes_are_found_in_folders(capsys: pytest.CaptureFixture[str]) -> None:
     changed("tidy_two.pddl", "(dirt a2)", "(dirt a5)")
     assert run(["check", "."]) == 1

@@ -122,7 +122,7 @@ def check_file(
     """All mistakes and warnings of a file of any kind (`-`: standard input), with the texts they point into.
 
     A problem's domain is sought beside the problem before it is sought among the shipped ones; that of a
-    problem in PPDDL beside it and then among `others`, files that are checked as well. Raises Refused
+    problem in PPDDL among `others`, files that are checked as well, and then beside it. Raises Refused
     where the file, or the domain of a problem, cannot be read at all.
     """
     is_named = name_or_path != STDIN and not Path(name_or_path).is_dir()
@@ -158,14 +158,15 @@ def _domain_of(source: Source, path: Path) -> Source:
 
 
 def _check_pddl(source: Source, others: Iterable[str]) -> tuple[tuple[Diagnostic, ...], tuple[Source, ...]]:
-    """What is found in a PPDDL file. The domain of one that defines none is sought in the files beside it,
-    then in `others`; those that cannot be read are passed over where another is it. A domain may leave to
+    """What is found in a PPDDL file. The domain of one that defines none is sought in `others`, first in those
+    beside it, and then in all files beside it; those that cannot be read are passed over where another is it. A domain may leave to
     problems what these say: who checks a problem reads it again with it. Large problems are not grounded:
     their rules were made so that nothing conflicts."""
     from cleancli.conversion.pddl.models import defines_domain, defines_problem, domain_for, models_of
 
     if defines_problem(source) and not defines_domain(source):
-        paths = [*sorted(Path(source.path).parent.glob("*")), *map(Path, others)]
+        beside, given = sorted(Path(source.path).parent.glob("*")), [*map(Path, others)]
+        paths = [*(path for path in beside if path in given), *given, *beside]
         pddl = [str(path) for path in paths if path.suffix.lower() in SUFFIXES and path.is_file()]
         unread: list[Refused] = []
         try:

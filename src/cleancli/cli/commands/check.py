@@ -31,7 +31,7 @@ def command(files: tuple[str, ...], style: str, is_all: bool) -> int:
 
     A folder stands for all .nid, .pddl and .ppddl files in it and in its folders, `-` for standard input. A
     problem is checked with the domain that it names, found beside it or among the shipped ones; one in PPDDL
-    with that found beside it or among FILEs. A mistake to which several files
+    with that found among FILEs or beside it. A mistake to which several files
     lead is reported once. Exit code 1 if there is any mistake, 0 if there is none; warnings are printed and
     change nothing.
     """
