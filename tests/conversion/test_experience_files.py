@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+from itertools import pairwise
 from pathlib import Path
 
 import pytest
@@ -53,6 +54,34 @@ def experience(text: str, name: str = "lamps.trajectory", domain: str = LAMPS) -
 
 
 # ---- there and back
+
+
+TRIED = """
+domain tried {
+  types      { lamp }
+  predicates { lit(?l - lamp) }
+  actions    { press(?l - lamp) }
+  rule press: press(?l) { when not lit(?l) then 1: lit(?l) }
+  reward     { goal }
+}
+"""
+
+
+def test_actions_that_no_rule_covers_are_counted() -> None:
+    """PPDDL forbids them, and who learns preconditions from a trajectory would think them possible."""
+    before: list[object] = []
+    after: list[object] = [["lit", ["a"], True]]
+    for states, count in (((before, after, after, after), 2), ((before, after), 0)):
+        lines = [
+            json.dumps(
+                {"action": "press", "arguments": ["a"], "objects": {"a": "lamp"}, "before": b, "after": a}
+            )
+            for b, a in pairwise(states)
+        ]
+        Path("seen.jsonl").write_text("\n".join(lines) + "\n")
+        notes = cleancli.convert(TRIED, "seen.jsonl", to="ppddl").notes
+        told = [note for note in notes if "no rule covers" in note and "in the trajectories" in note]
+        assert [note.split(" in the")[0] for note in told] == [f"{count} actions"] * bool(count)
 
 
 def test_a_trajectory_is_what_tools_that_learn_models_read() -> None:

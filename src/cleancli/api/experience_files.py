@@ -2,11 +2,12 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
 
 from cleancli.api.conversion_result import ConversionResult
+from cleancli.compiler.lifted_state import LiftedRules
 from cleancli.conversion.convert import Converted
 from cleancli.conversion.experience.chains import Chain, chains_of
 from cleancli.conversion.experience.data import data_text, read_data, recorded
@@ -14,6 +15,7 @@ from cleancli.conversion.experience.trajectories import TrajectoryWriter, read_t
 from cleancli.conversion.export.libprada_names import LibpradaNames
 from cleancli.conversion.export.names import Naming
 from cleancli.language.diagnostics.diagnostic import Diagnostic, Source, Span
+from cleancli.language.diagnostics.plural import plural
 from cleancli.language.diagnostics.refused import Refused
 from cleancli.language.diagnostics.sink import Findings
 from cleancli.language.load import read_source
@@ -85,7 +87,24 @@ def with_trajectories(made: ConversionResult, domain: Domain, paths: Sequence[st
             title = each.name if len(each.chains) == 1 else f"{each.name}-{number:0{digits}}"
             texts[f"{title}{TRAJECTORY}"] = writer.text(chain)
     names = {**made.names, **writer.changed_names}
-    return replace(made, texts=texts, notes=(*made.notes, _LOST), names=names)
+    told = _uncovered([chain for each in every for chain in each.chains], domain)
+    return replace(made, texts=texts, notes=(*made.notes, _LOST, *told), names=names)
+
+
+def _uncovered(chains: Iterable[Chain], domain: Domain) -> Iterator[str]:
+    """How many actions no rule covers: who learns preconditions from trajectories takes each as possible."""
+    rules = LiftedRules(domain)
+    count = sum(
+        rules.covering(rules.state(each.objects, each.before), each.action, each.arguments) is None
+        for chain in chains
+        for each in chain.transitions()
+    )
+    if count:
+        are = "was" if count == 1 else "were"
+        yield (
+            f"{plural(count, 'action')} in the trajectories {are} tried where no rule covers it, which PPDDL"
+            " forbids: learners that take what was done as possible learn too weak preconditions from that"
+        )
 
 
 def transitions_of(paths: Sequence[str], domain: Domain) -> tuple[Transition, ...]:
