@@ -116,6 +116,17 @@ def test_a_horizon_that_no_text_states_is_told_as_a_guess(capsys: pytest.Capture
         assert "guess" not in capsys.readouterr().out
 
 
+def test_a_goal_gets_the_horizon_that_is_asked_for(capsys: pytest.CaptureFixture[str]) -> None:
+    """docs/commands.md: then the goal is worth as much as `:goal-reward` says, less what actions cost."""
+    changed("tidy_two.pddl", "(:metric", "(:goal-reward 50) (:metric")
+    assert run(["convert", *FILES, "--out", "out", "--horizon", "8"]) == 0
+    assert "horizon  = 8\n" in Path("out/two.nid").read_text(encoding="utf-8")
+    assert "50 * goal - cost" in Path("out/tidy.nid").read_text(encoding="utf-8")
+    capsys.readouterr()
+    assert run(["plan", "out/tidy.nid", "out/two.nid", "--planner", "likeliest"]) == 0
+    assert "within 8 actions" in capsys.readouterr().out
+
+
 def test_one_file_may_hold_both(capsys: pytest.CaptureFixture[str]) -> None:
     both = "".join(Path(name).read_text(encoding="utf-8") for name in FILES)
     Path("both.pddl").write_text(both, encoding="utf-8")

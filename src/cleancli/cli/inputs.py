@@ -158,10 +158,10 @@ def _domain_of(source: Source, path: Path) -> Source:
 
 
 def _check_pddl(source: Source, others: Iterable[str]) -> tuple[tuple[Diagnostic, ...], tuple[Source, ...]]:
-    """What is found in a PPDDL file. The domain of one that defines none is sought in `others`, first in those
-    beside it, and then in all files beside it; those that cannot be read are passed over where another is it. A domain may leave to
-    problems what these say: who checks a problem reads it again with it. Large problems are not grounded:
-    their rules were made so that nothing conflicts."""
+    """What is found in a PPDDL file. The domain of one that defines none is sought in `others`, first in
+    those beside it, and then in all files beside it; those that cannot be read are passed over where another
+    is it. A domain may leave to problems what these say: who checks a problem reads it again with it. Large
+    problems are not grounded: their rules were made so that nothing conflicts."""
     from cleancli.conversion.pddl.models import defines_domain, defines_problem, domain_for, models_of
 
     if defines_problem(source) and not defines_domain(source):

@@ -55,7 +55,7 @@ def _named(context: click.Context, option: click.Parameter, name: str | None) ->
 @click.option(
     "--horizon",
     type=click.IntRange(1, 1000),
-    help="Steps of a plan. [default: libPRADA: 1 + what is dirty; PDDL: 40, where rewards are to be earned]",
+    help="Steps of a plan. [default: libPRADA: 1 + what is dirty; PDDL: 40 for rewards, else unlimited]",
 )
 @click.option(
     "--reward",

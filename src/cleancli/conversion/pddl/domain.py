@@ -104,20 +104,17 @@ def domain_of(
     )
 
 
-def problem_of(
-    name: str, start: Start, domain: Domain, metric: Metric, words: Words, horizon: int
-) -> Problem:
-    """A problem for the domain, perhaps with a horizon; of its facts those that something asks for."""
+def problem_of(name: str, start: Start, domain: Domain, words: Words, horizon: int | None) -> Problem:
+    """A problem for the domain with a horizon (None: unlimited), and those facts that something asks for."""
     known = {symbol.name for symbol in domain.symbols}
     constants = set(domain.constants)
     things = (*words.constants.values(), *start.objects)
-    earned = metric.earned or not start.goal
     return Problem(
         name,
         domain.name,
         tuple(thing for thing in things if thing not in constants) if constants else things,
         start.facts.difference(fact for fact in start.facts if fact.symbol not in known),
-        Horizon(horizon) if earned else Unlimited(),
+        Unlimited() if horizon is None else Horizon(horizon),
         1.0,
         start.goal,
     )

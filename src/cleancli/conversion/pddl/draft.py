@@ -32,10 +32,11 @@ bounds by now. After others something is missing that was meant to be there."""
 
 @dataclass(frozen=True, slots=True)
 class Wishes:
-    """What PPDDL leaves open: the domain's name (None: its own) and the horizon of problems that are to earn
-    rewards (None: a guess). `is_open`: a domain without problems is only looked at, so that what these alone
-    say, the objects and the values of functions, is no mistake of it. `joins`: schemas that were written for
-    the rules of one .nid action become that action, so that actions are not called as in the file."""
+    """What PPDDL leaves open: the domain's name (None: its own) and the horizon of problems (None: a guess
+    for those that are to earn rewards, and for others as many actions as it takes). `is_open`: a domain
+    without problems is only looked at, so that what these alone say, the objects and the values of functions,
+    is no mistake of it. `joins`: schemas that were written for the rules of one .nid action become that
+    action, so that actions are not called as in the file."""
 
     name: str | None = None
     horizon: int | None = None
@@ -99,11 +100,13 @@ def draft_of(
     places = {schema.action.name: schema.place for schema in first.schemas}
     refuse_unstated(made, places, domain.name.span, findings)
     findings.refuse_errors()
-    steps = (wishes.horizon or USUAL_HORIZON) + (first.action is not None)
+    begins = int(first.action is not None)
     drawn = f"chance decides of what holds at first: `{first.action}()` draws it"
     drafts = []
     for title, start in zip(names_of(problems, name, Naming(texts)), said, strict=True):
-        problem = problem_of(title, start, made, metric, words, steps)
+        usual = USUAL_HORIZON if metric.earned or not start.goal else None
+        steps = wishes.horizon or usual
+        problem = problem_of(title, start, made, words, None if steps is None else steps + begins)
         told = (*_guesses(start, problem, wishes), *([drawn] if first.action is not None else []))
         drafts.append(DraftProblem(problem, told, start.node.name.span))
     counted = {*effects.counted, *functions.names}
