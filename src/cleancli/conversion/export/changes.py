@@ -13,7 +13,9 @@ from dataclasses import dataclass, replace
 from itertools import combinations
 
 from cleancli.conversion.export.formulas import Formulas, NotSaid
-from cleancli.conversion.pddl.effects import Change
+from cleancli.conversion.pddl.effect_trees import (
+    Change,
+)
 from cleancli.conversion.pddl.formula import (
     ALWAYS,
     NEVER,

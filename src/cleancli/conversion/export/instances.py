@@ -11,7 +11,9 @@ from itertools import product
 from math import prod
 
 from cleancli.conversion.export.formulas import LARGEST, Formulas, NotSaid
-from cleancli.conversion.pddl.effects import Change
+from cleancli.conversion.pddl.effect_trees import (
+    Change,
+)
 from cleancli.conversion.pddl.formula import (
     NEVER,
     Both,

@@ -22,7 +22,9 @@ from cleancli.conversion.export.libprada_names import SAME, LibpradaNames
 from cleancli.conversion.export.names import Naming
 from cleancli.conversion.export.unsaid import Unsaid
 from cleancli.conversion.export.written import Written, closure_of, counted
-from cleancli.conversion.pddl.effects import Change
+from cleancli.conversion.pddl.effect_trees import (
+    Change,
+)
 from cleancli.conversion.pddl.formula import (
     ALWAYS,
     NEVER,

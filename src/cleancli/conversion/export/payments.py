@@ -13,7 +13,9 @@ from fractions import Fraction
 
 from cleancli.conversion.export.changes import hits, referred
 from cleancli.conversion.export.formulas import Formulas, NotSaid
-from cleancli.conversion.pddl.effects import Change
+from cleancli.conversion.pddl.effect_trees import (
+    Change,
+)
 from cleancli.conversion.pddl.formula import (
     ALWAYS,
     NEVER,

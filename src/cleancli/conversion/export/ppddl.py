@@ -19,7 +19,9 @@ from cleancli.conversion.export.ppddl_formulas import OBJECT, WORDS, FormulaWrit
 from cleancli.conversion.export.s_expressions import Node, laid_out
 from cleancli.conversion.export.unsaid import Unsaid
 from cleancli.conversion.export.written import Written, closure_of, counted
-from cleancli.conversion.pddl.effects import Change
+from cleancli.conversion.pddl.effect_trees import (
+    Change,
+)
 from cleancli.conversion.pddl.formula import ALWAYS, Formula, apart
 from cleancli.language.model import (
     Action,

@@ -11,7 +11,9 @@ from cleancli.conversion.export.draws import draws_of
 from cleancli.conversion.export.formulas import Formulas
 from cleancli.conversion.export.rddl_formulas import FormulaWriter
 from cleancli.conversion.export.unsaid import Unsaid
-from cleancli.conversion.pddl.effects import Change
+from cleancli.conversion.pddl.effect_trees import (
+    Change,
+)
 from cleancli.conversion.pddl.formula import Formula
 from cleancli.language.diagnostics.diagnostic import Span
 from cleancli.language.model import NOTHING_PAID, Domain, Outcome, Price, RewardKind, Rule, weight_of

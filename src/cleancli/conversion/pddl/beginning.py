@@ -10,19 +10,23 @@ from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
 from cleancli.conversion.pddl.define import Definitions
-from cleancli.conversion.pddl.effects import (
-    MOST_OUTCOMES,
+from cleancli.conversion.pddl.effect_trees import (
     All,
     Change,
-    Effects,
-    Result,
-    TooMany,
     first_condition,
-    results_of,
+)
+from cleancli.conversion.pddl.effects import (
+    Effects,
 )
 from cleancli.conversion.pddl.formula import ALWAYS, literal, negated
 from cleancli.conversion.pddl.problem import Start
 from cleancli.conversion.pddl.resolve import NO_VARIABLES, Predicate, Words
+from cleancli.conversion.pddl.results import (
+    MOST_OUTCOMES,
+    Result,
+    TooMany,
+    results_of,
+)
 from cleancli.conversion.pddl.rules import outcome_of
 from cleancli.conversion.pddl.schemas import Schema
 from cleancli.conversion.pddl.syntax import ChanceNode

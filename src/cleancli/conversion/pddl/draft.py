@@ -9,7 +9,9 @@ from functools import partial
 from cleancli.conversion.pddl.beginning import begun
 from cleancli.conversion.pddl.define import Definitions
 from cleancli.conversion.pddl.domain import USUAL_HORIZON, declarations_of, domain_of, problem_of
-from cleancli.conversion.pddl.effects import Effects
+from cleancli.conversion.pddl.effects import (
+    Effects,
+)
 from cleancli.conversion.pddl.ending import ended
 from cleancli.conversion.pddl.functions import Function, Functions
 from cleancli.conversion.pddl.naming import Naming, readable

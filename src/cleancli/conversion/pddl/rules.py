@@ -13,18 +13,15 @@ from fractions import Fraction
 from itertools import islice, product
 
 from cleancli.conversion.pddl.define import Definitions, says
-from cleancli.conversion.pddl.effects import (
+from cleancli.conversion.pddl.effect_trees import (
     NOTHING,
     Change,
-    Result,
     Tree,
-    UnevenCost,
     decided,
     first_condition,
     guarded,
     known_for,
     renamed,
-    results_of,
 )
 from cleancli.conversion.pddl.formula import (
     ALWAYS,
@@ -40,6 +37,10 @@ from cleancli.conversion.pddl.formula import (
     negated,
     quantified,
     substituted,
+)
+from cleancli.conversion.pddl.results import (
+    Result,
+    results_of,
 )
 from cleancli.conversion.pddl.types import Types
 from cleancli.language.model import (
@@ -76,6 +77,10 @@ class Case:
 
 NeverBoth = Callable[[Literal, Literal], bool]
 """Whether two literals hold together in no state, beside what their form says of that."""
+
+
+class UnevenCost(Exception):
+    """What an action costs depends on more conditions than it is divided by."""
 
 
 def cases_of(precondition: Formula, tree: Tree, types: Types, never_both: NeverBoth) -> list[Case]:

@@ -6,17 +6,21 @@ from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
 
 from cleancli.conversion.pddl.define import Definitions
-from cleancli.conversion.pddl.effects import (
-    MOST_OUTCOMES,
-    Effects,
-    TooMany,
-    UnevenCost,
+from cleancli.conversion.pddl.effect_trees import (
     known_for,
+)
+from cleancli.conversion.pddl.effects import (
+    Effects,
 )
 from cleancli.conversion.pddl.formula import both
 from cleancli.conversion.pddl.resolve import NO_VARIABLES, Words
+from cleancli.conversion.pddl.results import (
+    MOST_OUTCOMES,
+    TooMany,
+)
 from cleancli.conversion.pddl.rules import (
     Case,
+    UnevenCost,
     cases_of,
     conditions_of,
     outcome_of,
