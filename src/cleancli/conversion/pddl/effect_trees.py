@@ -192,18 +192,3 @@ def known_for(tree: Tree) -> Iterator[Formula]:
                 yield from known_for(part)
         case Branch() | Change():
             return
-
-
-def changes_of(tree: Tree) -> list[Change]:
-    """All that a tree may change."""
-    match tree:
-        case Change():
-            return [tree]
-        case All(parts):
-            return [change for part in parts for change in changes_of(part)]
-        case Branch(_, part):
-            return changes_of(part)
-        case Chance(branches):
-            return [change for _, part in branches for change in changes_of(part)]
-        case Pay():
-            return []
