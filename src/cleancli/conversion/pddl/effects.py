@@ -31,6 +31,7 @@ from cleancli.conversion.pddl.syntax import (
     PayNode,
     SetNode,
     WhenNode,
+    all_within,
 )
 from cleancli.language.diagnostics.diagnostic import Span
 from cleancli.language.model import NOTHING_PAID, Literal, Object, Price, Variable
@@ -119,8 +120,10 @@ class Effects:
         return change if bound or asked == ALWAYS else Branch(asked, change)
 
     def _each(self, node: EachNode, scope: Scope, variables: tuple[Variable, ...], guard: Formula) -> Tree:
-        if self._is_for_each(node.effect):
-            if self._pays(node.effect) or not self._statics.leave_one(node):
+        if self._pays(node.effect):
+            return self._each_object(node, scope, variables, guard)
+        if _has_chance(node.effect):
+            if not self._statics.leave_one(node):
                 return self._each_object(node, scope, variables, guard)
             self._drawn_once = True
         own, inner, asked = self._words.bound(node.variables, scope)
@@ -177,32 +180,13 @@ class Effects:
                 asked.append(found[1])
         return Pay(paid_by(price), both(asked))
 
-    def _is_for_each(self, node: EffectNode) -> bool:
-        """Whether something in an effect is drawn or paid, for each binding of a `forall` by itself then."""
-        return _has_chance(node) or self._pays(node)
-
     def _pays(self, node: EffectNode) -> bool:
         """Whether something in an effect is paid that counts."""
-        match node:
-            case PayNode():
-                return node.function.symbol.text in self.counted
-            case AllNode(parts):
-                return any(map(self._pays, parts))
-            case WhenNode() | EachNode():
-                return self._pays(node.effect)
-            case ChanceNode(branches):
-                return any(self._pays(part) for _, part in branches)
-            case SetNode():
-                return False
+        return any(
+            isinstance(each, PayNode) and each.function.symbol.text in self.counted
+            for each in all_within(node)
+        )
 
 
 def _has_chance(node: EffectNode) -> bool:
-    match node:
-        case ChanceNode():
-            return True
-        case AllNode(parts):
-            return any(map(_has_chance, parts))
-        case WhenNode() | EachNode():
-            return _has_chance(node.effect)
-        case SetNode() | PayNode():
-            return False
+    return any(isinstance(each, ChanceNode) for each in all_within(node))

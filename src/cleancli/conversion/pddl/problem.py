@@ -13,18 +13,14 @@ from cleancli.conversion.pddl.naming import Naming
 from cleancli.conversion.pddl.read_conditions import Reader
 from cleancli.conversion.pddl.resolve import Scope, Words
 from cleancli.conversion.pddl.syntax import (
-    AllNode,
     AtomNode,
-    ChanceNode,
     DomainNode,
-    EachNode,
-    EffectNode,
     FactsNode,
     Name,
     PayNode,
     ProblemNode,
     SetNode,
-    WhenNode,
+    all_within,
 )
 from cleancli.language.diagnostics.sink import Findings
 from cleancli.language.model import Condition, Fact, Object, RewardKind, RewardTerm
@@ -75,21 +71,11 @@ def _usual(domain: DomainNode) -> Metric:
 def _rewards(domain: DomainNode) -> bool:
     """Whether actions change the reward, which is to be great where no metric says what is (Younes et al.
     2005, JAIR 24, "Plan Objectives")."""
-    return any(_changes_reward(action.effect) for action in domain.actions)
-
-
-def _changes_reward(node: EffectNode) -> bool:
-    match node:
-        case PayNode():
-            return node.function.symbol.text == "reward"
-        case AllNode(parts):
-            return any(map(_changes_reward, parts))
-        case WhenNode() | EachNode():
-            return _changes_reward(node.effect)
-        case ChanceNode(branches):
-            return any(_changes_reward(part) for _, part in branches)
-        case SetNode():
-            return False
+    return any(
+        isinstance(each, PayNode) and each.function.symbol.text == "reward"
+        for action in domain.actions
+        for each in all_within(action.effect)
+    )
 
 
 def _metric(problem: ProblemNode, domain: DomainNode, findings: Findings) -> Metric:

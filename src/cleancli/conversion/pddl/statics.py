@@ -8,19 +8,17 @@ from __future__ import annotations
 from collections.abc import Iterator, Sequence
 
 from cleancli.conversion.pddl.syntax import (
-    AllNode,
     AndNode,
     AtomNode,
-    ChanceNode,
     ConditionNode,
     DomainNode,
     EachNode,
     EffectNode,
     FactsNode,
-    PayNode,
     ProblemNode,
     SetNode,
     WhenNode,
+    all_within,
 )
 
 
@@ -96,14 +94,4 @@ def _atoms(condition: ConditionNode) -> Iterator[AtomNode]:
 
 def _set_by(node: EffectNode) -> frozenset[str]:
     """The predicates that an effect sets."""
-    match node:
-        case SetNode():
-            return frozenset({node.atom.symbol.text})
-        case AllNode(parts):
-            return frozenset().union(*map(_set_by, parts))
-        case WhenNode() | EachNode():
-            return _set_by(node.effect)
-        case ChanceNode(branches):
-            return frozenset().union(*(_set_by(part) for _, part in branches))
-        case PayNode():
-            return frozenset()
+    return frozenset(each.atom.symbol.text for each in all_within(node) if isinstance(each, SetNode))

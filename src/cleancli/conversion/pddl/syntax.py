@@ -175,6 +175,22 @@ class PayNode(Node):
 EffectNode = SetNode | AllNode | WhenNode | EachNode | ChanceNode | PayNode
 
 
+def all_within(node: EffectNode) -> Iterator[EffectNode]:
+    """An effect, and all effects in it, whatever has to hold or to be drawn for them."""
+    yield node
+    match node:
+        case AllNode(parts):
+            inner = parts
+        case WhenNode() | EachNode():
+            inner = (node.effect,)
+        case ChanceNode(branches):
+            inner = tuple(part for _, part in branches)
+        case SetNode() | PayNode():
+            return
+    for part in inner:
+        yield from all_within(part)
+
+
 # ---- files
 
 
